@@ -1,0 +1,60 @@
+# Every target that renders first makes sure that a Vulkan device exists
+# (tools/setup.sh installs Mesa's lavapipe where there is none).
+
+CARGO ?= cargo
+OUT ?= out
+# Square pictures: resolution and samples per pixel.
+DEMO_RESOLUTION ?= 384x384
+DEMO_SPP ?= 64
+GALLERY_RESOLUTION ?= 512x512
+GALLERY_SPP ?= 256
+BENCH_SCENE ?= scenes/cornell-spheres/cornell-spheres.gltf
+
+SCENES = $(sort $(wildcard scenes/*/*.gltf scenes/*/*.glb))
+
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test gallery scenes bench lint fmt-check clean
+
+help: ## List the targets
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
+
+setup: ## Install lavapipe if no Vulkan device is found
+	@tools/setup.sh
+
+demo: setup ## Render a bundled scene to out/demo.png
+	@mkdir -p $(OUT)
+	$(CARGO) run --release -- render scenes/cornell-spheres/cornell-spheres.gltf \
+		-o $(OUT)/demo.png --resolution $(DEMO_RESOLUTION) --spp $(DEMO_SPP)
+
+test: setup ## Run all tests
+	$(CARGO) test
+
+gallery: setup ## Render every bundled scene into out/gallery/
+	@mkdir -p $(OUT)/gallery
+	$(CARGO) build --release
+	@set -e; for scene in $(SCENES); do \
+		target/release/steradian render "$$scene" \
+			-o "$(OUT)/gallery/$$(basename "$${scene%.*}").png" \
+			--resolution $(GALLERY_RESOLUTION) --spp $(GALLERY_SPP); \
+	done
+
+scenes: ## Write the bundled scenes anew from their description
+	$(CARGO) run --release --example make_scenes
+
+bench: setup ## Samples per second against Mitsuba 3, if that is installed
+	$(CARGO) build --release
+	@if python3 -c 'import mitsuba' 2>/dev/null; then \
+		python3 tools/bench_mitsuba.py $(BENCH_SCENE); \
+	else \
+		echo 'bench: the comparison needs Mitsuba 3: python3 -m pip install mitsuba' >&2; \
+		exit 1; \
+	fi
+
+fmt-check: ## Check the formatting
+	$(CARGO) fmt --check
+
+lint: fmt-check ## Formatting and clippy, warnings are errors
+	$(CARGO) clippy --all-targets -- -D warnings
+
+clean: ## Remove pictures; `cargo clean` removes the build
+	rm -rf $(OUT)
