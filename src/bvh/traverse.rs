@@ -1,0 +1,120 @@
+//! Traversal as the shaders do it, for tests.
+
+use super::{Bvh, BvhChild, GridRay, Link, MAX_DEPTH, PrimitiveKind};
+use glam::Vec3;
+
+/// A ray `o + t d` with `0 < t < t_max`; `d` need not be a unit vector.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Origin.
+    pub o: Vec3,
+    /// Direction, not zero.
+    pub d: Vec3,
+    /// End of the interval, not in it.
+    pub t_max: f32,
+}
+
+/// The item that a ray meets first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ItemHit {
+    /// Ray parameter.
+    pub t: f32,
+    /// Index into the list given to the builder.
+    pub item: u32,
+}
+
+impl ItemHit {
+    /// The order of hits: by t and, where two are equal, by item. So the result does
+    /// not depend on the order in which a tree presents them.
+    pub fn is_before(&self, other: &Self) -> bool {
+        self.t < other.t || (self.t == other.t && self.item < other.item)
+    }
+}
+
+/// Room left beyond the best hit when boxes are culled. A hit's t carries the
+/// rounding of the primitive's test, so an equal one may be in a box that begins a
+/// little later.
+const CULL_MARGIN: f32 = 1.0 + 1.0 / 524_288.0;
+
+/// The first hit along `ray`. `intersect` gets a kind, an item and `t_max` and gives the
+/// item's nearest t below it.
+pub fn closest_hit(
+    bvh: &Bvh,
+    ray: &Ray,
+    mut intersect: impl FnMut(PrimitiveKind, u32, f32) -> Option<f32>,
+) -> Option<ItemHit> {
+    let mut best: Option<ItemHit> = None;
+    traverse(bvh, ray, |kind, item, cull| {
+        if let Some(t) = intersect(kind, item, ray.t_max) {
+            let hit = ItemHit { t, item };
+            if best.is_none_or(|b| hit.is_before(&b)) {
+                best = Some(hit);
+                *cull = ray.t_max.min(t * CULL_MARGIN);
+            }
+        }
+        true
+    });
+    best
+}
+
+/// Whether there is any hit along `ray`; `intersect` as for [`closest_hit`].
+pub fn any_hit(
+    bvh: &Bvh,
+    ray: &Ray,
+    mut intersect: impl FnMut(PrimitiveKind, u32, f32) -> Option<f32>,
+) -> bool {
+    let mut found = false;
+    traverse(bvh, ray, |kind, item, _| {
+        found = intersect(kind, item, ray.t_max).is_some();
+        !found
+    });
+    found
+}
+
+/// Calls `visit` for the items in all boxes that the ray meets, nearer child first.
+/// `visit` may lower the t beyond which boxes are skipped, and ends the traversal
+/// with `false`.
+fn traverse(bvh: &Bvh, ray: &Ray, mut visit: impl FnMut(PrimitiveKind, u32, &mut f32) -> bool) {
+    let grid_ray = GridRay::new(bvh, ray.o, ray.d);
+    let mut cull = ray.t_max;
+    let mut stack = [0; MAX_DEPTH as usize];
+    let mut stack_size = 0;
+    let mut node = 0;
+    loop {
+        let mut next: Option<(u32, f32)> = None;
+        for child in &bvh.nodes[node as usize].children {
+            let Some(t) = grid_ray.entry(child, cull) else { continue };
+            match child.target() {
+                Some(Link::Inner { node }) => match next {
+                    Some((other, other_t)) => {
+                        let (near, far) = if t < other_t { (node, other) } else { (other, node) };
+                        next = Some((near, t.min(other_t)));
+                        stack[stack_size] = far;
+                        stack_size += 1;
+                    }
+                    None => next = Some((node, t)),
+                },
+                Some(Link::Leaf { kind, first, count }) => {
+                    for &item in &bvh.order[first as usize..(first + count) as usize] {
+                        if !visit(kind, item, &mut cull) {
+                            return;
+                        }
+                    }
+                }
+                None => unreachable!("{}", invalid_link(child)),
+            }
+        }
+        node = match next {
+            Some((near, _)) => near,
+            None if stack_size == 0 => return,
+            None => {
+                stack_size -= 1;
+                stack[stack_size]
+            }
+        };
+    }
+}
+
+fn invalid_link(child: &BvhChild) -> String {
+    format!("link {:#010x} has a kind that no builder writes", child.link)
+}
