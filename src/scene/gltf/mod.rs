@@ -1,1 +1,116 @@
-//! glTF 2.0 and GLB to [`Scene`](super::Scene).
+//! glTF 2.0 and GLB to [`Scene`].
+//!
+//! The JSON is parsed into the `gltf` crate's plain structs; everything else is
+//! here, because files are not trusted: every index, count, offset and number is
+//! checked, and nothing outside the scene's folder is opened. A file can make
+//! loading fail with a message, and not more. [`load_with`] lists the steps.
+
+mod accessor;
+mod buffers;
+mod cameras;
+mod container;
+mod document;
+mod environment;
+mod extensions;
+mod extras;
+mod geometry;
+mod images;
+mod instances;
+mod lights;
+mod limits;
+mod materials;
+mod nodes;
+mod normals;
+mod notices;
+mod textures;
+mod triangles;
+mod uri;
+
+use super::{Notice, Scene, Treatment};
+use crate::{Error, Result};
+use accessor::Accessors;
+use buffers::Buffers;
+use document::Document;
+use limits::Budget;
+use notices::Notices;
+use std::path::Path;
+
+/// How to treat what cannot be rendered as the file says.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct LoadOptions {
+    /// Refuse a file with any feature that is approximated or ignored.
+    pub strict: bool,
+}
+
+/// Loads a `.gltf` or `.glb` file with default options.
+///
+/// # Errors
+///
+/// [`Error::Scene`] with the file at fault, the object in it and what is wrong.
+pub fn load(path: &Path) -> Result<Scene> {
+    load_with(path, &LoadOptions::default())
+}
+
+/// Loads a `.gltf` or `.glb` file.
+///
+/// # Errors
+///
+/// [`Error::Scene`] with the file at fault, the object in it and what is wrong;
+/// also where there is no geometry to render.
+pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Scene> {
+    let budget = Budget::default();
+    let mut notices = Notices::default();
+
+    let bytes = buffers::read_file(path, &budget)?;
+    let container = container::split(&bytes).map_err(|message| Error::scene(path, message))?;
+    let document = &Document::parse(path, container.json, budget)?;
+    extensions::check(document, &mut notices)?;
+    let buffers = &Buffers::load(document, container.bin)?;
+
+    let scene = nodes::default_scene(document)?;
+    let placements = &nodes::walk(document, scene, &mut notices)?;
+    let (mut materials, images) = materials::read(document, buffers, &mut notices)?;
+    let accessors = &Accessors { document, buffers };
+    let (shapes, meshes) = geometry::read(accessors, placements, &mut materials, &mut notices)?;
+    geometry::note_rest_pose(document, placements, &mut notices)?;
+    let placed = instances::place(document, placements, &shapes, &meshes, &mut notices)?;
+    let bounds = placed.bounds.ok_or_else(|| {
+        document.error("nothing to render: its scene has no triangles and no spheres")
+    })?;
+
+    let scene = Scene {
+        name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        meshes,
+        instances: placed.instances,
+        spheres: placed.spheres,
+        materials,
+        images,
+        lights: lights::read(document, placements, &mut notices)?,
+        environment: environment::read(document, scene, &mut notices)?,
+        cameras: cameras::read(document, placements, bounds, &mut notices)?,
+        notices: notices.into_lines(),
+    };
+    if options.strict {
+        refuse_differences(path, &scene.notices)?;
+    }
+    Ok(scene)
+}
+
+/// An error that lists everything which is not rendered as the file says.
+fn refuse_differences(path: &Path, notices: &[Notice]) -> Result<()> {
+    let differences: Vec<&str> = notices
+        .iter()
+        .filter(|notice| notice.treatment != Treatment::Honoured)
+        .map(|notice| notice.message.as_str())
+        .collect();
+    match differences.is_empty() {
+        true => Ok(()),
+        false => Err(Error::scene(
+            path,
+            format!(
+                "strict loading refuses what is not rendered as specified: {}",
+                differences.join("; ")
+            ),
+        )),
+    }
+}

@@ -1,0 +1,93 @@
+//! Which extensions a file uses, and what becomes of each.
+
+use super::document::Document;
+use super::notices::Notices;
+use crate::Result;
+use serde_json::Value;
+use std::collections::BTreeSet;
+
+/// Extensions that are rendered. What of one is approximated has a notice of
+/// its own where it is read.
+const SUPPORTED: [&str; 8] = [
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+
+/// Refuses a file that requires what is not supported; notes every other
+/// extension that occurs.
+pub(super) fn check(document: &Document, notices: &mut Notices) -> Result<()> {
+    for name in &document.root.extensions_required {
+        if !SUPPORTED.contains(&name.as_str()) {
+            return Err(document.error(format!(
+                "the file requires the extension {name:?}, which is not supported; export it without"
+            )));
+        }
+    }
+    let mut seen = BTreeSet::new();
+    visit_extensions(&document.raw, |name, place| {
+        seen.insert(name.to_owned());
+        note(name, place, notices);
+    });
+    for name in &document.root.extensions_used {
+        if seen.insert(name.clone()) {
+            note(name, "extensionsUsed", notices);
+        }
+    }
+    Ok(())
+}
+
+fn note(name: &str, place: &str, notices: &mut Notices) {
+    match name {
+        "KHR_materials_unlit" => {
+            notices.ignored("KHR_materials_unlit: shaded as an ordinary material", place);
+        }
+        _ if SUPPORTED.contains(&name) => notices.honoured(name, place),
+        _ => notices.ignored(format!("extension {}", name.escape_debug()), place),
+    }
+}
+
+/// Calls `visit(name, place)` for every member of every `extensions` object;
+/// `place` is the top-level object around it, as `materials[3]`.
+fn visit_extensions(raw: &Value, mut visit: impl FnMut(&str, &str)) {
+    let Value::Object(members) = raw else { return };
+    for (key, value) in members {
+        match value {
+            Value::Array(items) => {
+                for (index, item) in items.iter().enumerate() {
+                    visit_within(item, &format!("{}[{index}]", key.escape_debug()), &mut visit);
+                }
+            }
+            Value::Object(extensions) if key == "extensions" => {
+                for (name, value) in extensions {
+                    visit(name, "the file");
+                    visit_within(value, "the file", &mut visit);
+                }
+            }
+            _ => visit_within(value, &key.escape_debug().to_string(), &mut visit),
+        }
+    }
+}
+
+fn visit_within(value: &Value, place: &str, visit: &mut impl FnMut(&str, &str)) {
+    let mut pending = vec![value];
+    while let Some(value) = pending.pop() {
+        match value {
+            Value::Array(items) => pending.extend(items),
+            Value::Object(members) => {
+                for (key, member) in members.iter().filter(|(key, _)| *key != "extras") {
+                    if let ("extensions", Value::Object(extensions)) = (key.as_str(), member) {
+                        extensions.keys().for_each(|name| visit(name, place));
+                    }
+                    pending.push(member);
+                }
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! glTF meshes to [`Mesh`]es, one for each primitive, or to analytic spheres.
+
+use super::accessor::Accessors;
+use super::document::Document;
+use super::extras::{self, MeshExtras};
+use super::nodes::Placement;
+use super::normals;
+use super::notices::Notices;
+use super::triangles::{self, Assembled};
+use crate::Result;
+use crate::scene::{Material, Mesh};
+use glam::{Vec2, Vec3, Vec4};
+use gltf::json::accessor::{ComponentType, Type};
+use gltf::json::mesh::{Primitive, Semantic};
+use gltf::json::validation::Checked;
+use gltf::json::{self, Index};
+use std::collections::BTreeMap;
+
+/// What a glTF mesh is to us.
+pub(super) enum Shape {
+    /// Indices of meshes, one for each primitive that has triangles.
+    Meshes(Vec<u32>),
+    /// A sphere around the origin of object space.
+    Sphere {
+        /// In object space, positive and finite.
+        radius: f32,
+        /// Index of the material.
+        material: u32,
+    },
+}
+
+/// Reads the meshes that placements use; each once, by the file's index.
+pub(super) fn read(
+    accessors: &Accessors,
+    placements: &[Placement],
+    materials: &mut Vec<Material>,
+    notices: &mut Notices,
+) -> Result<(BTreeMap<usize, Shape>, Vec<Mesh>)> {
+    let document = accessors.document;
+    let mut shapes = BTreeMap::new();
+    let mut reader = GeometryReader {
+        accessors,
+        materials,
+        default_material: None,
+        meshes: Vec::new(),
+        notices,
+    };
+    for placement in placements {
+        let node = document.get(placement.node, "the scene")?;
+        if let Some(index) = node.mesh
+            && !shapes.contains_key(&index.value())
+        {
+            let mesh = document.get(index, &document.label(placement.node))?;
+            shapes.insert(index.value(), reader.shape(index, mesh)?);
+        }
+    }
+    Ok((shapes, reader.meshes))
+}
+
+struct GeometryReader<'a> {
+    accessors: &'a Accessors<'a>,
+    materials: &'a mut Vec<Material>,
+    /// Where glTF's default material is, once a primitive needed it.
+    default_material: Option<u32>,
+    meshes: Vec<Mesh>,
+    notices: &'a mut Notices,
+}
+
+impl GeometryReader<'_> {
+    fn shape(&mut self, index: Index<json::Mesh>, mesh: &json::Mesh) -> Result<Shape> {
+        let document = self.accessors.document;
+        let label = document.label(index);
+        let error = |message: String| document.error(format!("{label}: {message}"));
+
+        let extras: Option<MeshExtras> = extras::steradian(&mesh.extras).map_err(error)?;
+        if let Some(sphere) = extras.and_then(|extras| extras.sphere) {
+            let radius = sphere.radius;
+            if !(radius > 0.0 && radius.is_finite()) {
+                return Err(error(format!(
+                    "the sphere's radius is {radius}; it must be above 0 and finite"
+                )));
+            }
+            let material = mesh.primitives.first().and_then(|primitive| primitive.material);
+            return Ok(Shape::Sphere { radius, material: self.material(material, &label)? });
+        }
+
+        let mut indices = Vec::new();
+        for (i, primitive) in mesh.primitives.iter().enumerate() {
+            let what = format!("{label}, primitive {i}");
+            if let Some(mut mesh_of_primitive) = self.primitive(primitive, &what)? {
+                mesh_of_primitive.name = match mesh.primitives.len() {
+                    1 => document.name(index),
+                    _ => format!("{}, primitive {i}", document.name(index)),
+                };
+                indices.push(self.meshes.len() as u32);
+                self.meshes.push(mesh_of_primitive);
+            }
+        }
+        Ok(Shape::Meshes(indices))
+    }
+
+    /// Index of the material, or of the default one.
+    fn material(&mut self, index: Option<Index<json::Material>>, what: &str) -> Result<u32> {
+        if let Some(index) = index {
+            self.accessors.document.get(index, what)?;
+            return Ok(index.value() as u32);
+        }
+        Ok(*self.default_material.get_or_insert_with(|| {
+            self.materials.push(Material::default());
+            self.materials.len() as u32 - 1
+        }))
+    }
+
+    /// `None`, with a notice, for a primitive without triangles.
+    fn primitive(&mut self, primitive: &Primitive, what: &str) -> Result<Option<Mesh>> {
+        let document = self.accessors.document;
+        let Checked::Valid(mode) = primitive.mode else {
+            return Err(document.error(format!("{what}: unknown mode")));
+        };
+        let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
+        let Some(positions) = attribute(Semantic::Positions) else {
+            self.notices.ignored("primitive without POSITION: not drawn", what);
+            return Ok(None);
+        };
+        let positions = self.vec3(positions, &format!("{what}, POSITION"))?;
+        let Some(triangles) = self.triangles(primitive, mode, positions.len(), what)? else {
+            return Ok(None);
+        };
+        if primitive.targets.is_some() {
+            self.notices.ignored("morph targets: drawn in rest pose", what);
+        }
+        let mut mesh = Mesh {
+            normals: self.normals(attribute(Semantic::Normals), &positions, &triangles, what)?,
+            tangents: self.tangents(attribute(Semantic::Tangents), what)?,
+            uvs: [
+                self.uvs(attribute(Semantic::TexCoords(0)), &format!("{what}, TEXCOORD_0"))?,
+                self.uvs(attribute(Semantic::TexCoords(1)), &format!("{what}, TEXCOORD_1"))?,
+            ],
+            colors: self.colors(attribute(Semantic::Colors(0)), &format!("{what}, COLOR_0"))?,
+            material: self.material(primitive.material, what)?,
+            positions,
+            triangles,
+            name: String::new(),
+        };
+        self.check_lengths(&mesh, what)?;
+        if mesh.normals.is_empty() {
+            // Without normals, tangents are to be ignored (glTF 2.0, 3.7.2.1).
+            mesh.tangents = Vec::new();
+        }
+        self.note_missing_attributes(&mesh, what);
+        Ok(Some(mesh))
+    }
+
+    fn triangles(
+        &mut self,
+        primitive: &Primitive,
+        mode: json::mesh::Mode,
+        vertex_count: usize,
+        what: &str,
+    ) -> Result<Option<Vec<[u32; 3]>>> {
+        let document = self.accessors.document;
+        let indices = match primitive.indices {
+            Some(index) => self.accessors.indices(index, &format!("{what}, indices"))?,
+            None => (0..vertex_count as u32).collect(),
+        };
+        if let Some(index) = indices.iter().find(|&&index| index as usize >= vertex_count) {
+            return Err(document
+                .error(format!("{what}: index {index} exceeds the {vertex_count} vertices")));
+        }
+        let Some(Assembled { triangles, left_over }) = triangles::assemble(mode, &indices) else {
+            self.notices.ignored("points and lines: not drawn", what);
+            return Ok(None);
+        };
+        if left_over > 0 {
+            let message = "indices that make no whole triangle left out";
+            self.notices.approximated(message, what);
+        }
+        if triangles.is_empty() {
+            self.notices.ignored("primitive without triangles: not drawn", what);
+            return Ok(None);
+        }
+        Ok(Some(triangles))
+    }
+
+    fn normals(
+        &mut self,
+        index: Option<Index<json::Accessor>>,
+        positions: &[Vec3],
+        triangles: &[[u32; 3]],
+        what: &str,
+    ) -> Result<Vec<Vec3>> {
+        let Some(index) = index else { return Ok(Vec::new()) };
+        let place = format!("{what}, NORMAL");
+        let normals = self.accessors.floats_unchecked::<3>(index, &[Type::Vec3], 0.0, &place)?;
+        let mut normals: Vec<Vec3> = normals.into_iter().map(Vec3::from).collect();
+        self.check_length(normals.len(), positions.len(), &place)?;
+        if normals::normalize(&mut normals, positions, triangles) > 0 {
+            let message = "normals without direction replaced by the average of face normals";
+            self.notices.approximated(message, what);
+        }
+        Ok(normals)
+    }
+
+    fn tangents(&mut self, index: Option<Index<json::Accessor>>, what: &str) -> Result<Vec<Vec4>> {
+        let Some(index) = index else { return Ok(Vec::new()) };
+        let place = format!("{what}, TANGENT");
+        let tangents = self.accessors.floats_unchecked::<4>(index, &[Type::Vec4], 0.0, &place)?;
+        let mut tangents: Vec<Vec4> = tangents.into_iter().map(Vec4::from).collect();
+        if !normals::normalize_tangents(&mut tangents) {
+            let message = "tangents without direction: left out";
+            self.notices.approximated(message, what);
+            tangents.clear();
+        }
+        Ok(tangents)
+    }
+
+    fn vec3(&self, index: Index<json::Accessor>, what: &str) -> Result<Vec<Vec3>> {
+        let elements = self.accessors.floats::<3>(index, &[Type::Vec3], 0.0, what)?;
+        Ok(elements.into_iter().map(Vec3::from).collect())
+    }
+
+    fn uvs(&self, index: Option<Index<json::Accessor>>, what: &str) -> Result<Vec<Vec2>> {
+        let Some(index) = index else { return Ok(Vec::new()) };
+        let elements = self.accessors.floats::<2>(index, &[Type::Vec2], 0.0, what)?;
+        Ok(elements.into_iter().map(Vec2::from).collect())
+    }
+
+    fn colors(&mut self, index: Option<Index<json::Accessor>>, what: &str) -> Result<Vec<Vec4>> {
+        let Some(index) = index else { return Ok(Vec::new()) };
+        let accessor = self.accessors.document.get(index, what)?;
+        let is_float = matches!(
+            &accessor.component_type,
+            Checked::Valid(json::accessor::GenericComponentType(ComponentType::F32))
+        );
+        if !is_float && !accessor.normalized {
+            let message = format!("{what}: integer colours must be normalized");
+            return Err(self.accessors.document.error(message));
+        }
+        // RGB colours are opaque.
+        let colors = self.accessors.floats::<4>(index, &[Type::Vec3, Type::Vec4], 1.0, what)?;
+        let mut colors: Vec<Vec4> = colors.into_iter().map(Vec4::from).collect();
+        let mut is_clamped = false;
+        for color in &mut colors {
+            let clamped = color.clamp(Vec4::ZERO, Vec4::ONE);
+            is_clamped |= clamped != *color;
+            *color = clamped;
+        }
+        if is_clamped {
+            self.notices.approximated("vertex colours outside [0, 1] clamped", what);
+        }
+        Ok(colors)
+    }
+
+    fn check_lengths(&self, mesh: &Mesh, what: &str) -> Result<()> {
+        let lengths = [
+            ("TANGENT", mesh.tangents.len()),
+            ("TEXCOORD_0", mesh.uvs[0].len()),
+            ("TEXCOORD_1", mesh.uvs[1].len()),
+            ("COLOR_0", mesh.colors.len()),
+        ];
+        for (name, length) in lengths.into_iter().filter(|&(_, length)| length > 0) {
+            self.check_length(length, mesh.positions.len(), &format!("{what}, {name}"))?;
+        }
+        Ok(())
+    }
+
+    fn check_length(&self, length: usize, vertex_count: usize, what: &str) -> Result<()> {
+        if length == vertex_count {
+            return Ok(());
+        }
+        Err(self
+            .accessors
+            .document
+            .error(format!("{what} has {length} elements for {vertex_count} vertices")))
+    }
+
+    /// Notes what the material uses and the mesh lacks.
+    fn note_missing_attributes(&mut self, mesh: &Mesh, what: &str) {
+        let material = &self.materials[mesh.material as usize];
+        if material.textures().any(|texture| mesh.uvs[texture.uv_set as usize].is_empty()) {
+            let message = "texture on a mesh without its texture coordinates: looked up at (0, 0)";
+            self.notices.approximated(message, what);
+        }
+        if material.normal_texture.is_some() && mesh.tangents.is_empty() {
+            let message = "tangents from uv derivatives instead of MikkTSpace";
+            self.notices.approximated(message, what);
+        }
+    }
+}
+
+/// Notes what of the file's motion is not shown.
+pub(super) fn note_rest_pose(
+    document: &Document,
+    placements: &[Placement],
+    notices: &mut Notices,
+) -> Result<()> {
+    for placement in placements {
+        if document.get(placement.node, "the scene")?.skin.is_some() {
+            notices.ignored("skins: drawn in rest pose", &document.label(placement.node));
+        }
+    }
+    for index in 0..document.animation_count {
+        notices.ignored("animations: drawn in rest pose", &format!("animation {index}"));
+    }
+    Ok(())
+}

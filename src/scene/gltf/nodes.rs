@@ -1,0 +1,113 @@
+//! The node trees of the scene that is rendered, flattened to world transforms.
+
+use super::document::Document;
+use super::notices::Notices;
+use crate::Result;
+use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
+use gltf::json::{self, Index};
+
+/// Why a node that was met before may not be met again.
+const TREE_RULE: &str = "nodes must form trees, without cycles or second parents";
+
+/// A node of the scene and where it is.
+#[derive(Clone, Copy)]
+pub(super) struct Placement {
+    /// The node.
+    pub(super) node: Index<json::Node>,
+    /// Product of the transforms from the root to the node, in double precision.
+    pub(super) world_from_node: DAffine3,
+}
+
+/// The scene to render: the file's default, else its first; `None` if it has no scenes.
+pub(super) fn default_scene(document: &Document) -> Result<Option<Index<json::Scene>>> {
+    let chosen = document.root.scene;
+    if let Some(chosen) = chosen {
+        document.get(chosen, "the default scene")?;
+    }
+    Ok(chosen.or_else(|| (!document.root.scenes.is_empty()).then(|| Index::new(0))))
+}
+
+/// All nodes of `scene`, or of the whole file without one, in the order of their index.
+pub(super) fn walk(
+    document: &Document,
+    scene: Option<Index<json::Scene>>,
+    notices: &mut Notices,
+) -> Result<Vec<Placement>> {
+    let (roots, referrer) = match scene {
+        Some(scene) => (document.get(scene, "the file")?.nodes.clone(), document.label(scene)),
+        None => (roots(document), "the file".into()),
+    };
+    // Each node is entered once, so the walk ends, and its depth is not a stack's.
+    let mut is_visited = vec![false; document.root.nodes.len()];
+    let mut placements = Vec::new();
+    let mut pending: Vec<_> =
+        roots.into_iter().map(|root| (root, DAffine3::IDENTITY, None)).collect();
+    while let Some((index, world_from_parent, parent)) = pending.pop() {
+        let referrer = || parent.map_or_else(|| referrer.clone(), |p| document.label(p));
+        let node = match document.root.get(index) {
+            Some(node) => node,
+            None => document.get(index, &referrer())?,
+        };
+        if std::mem::replace(&mut is_visited[index.value()], true) {
+            return Err(document.error(format!(
+                "{} refers to {}, which is already in the scene; {TREE_RULE}",
+                referrer(),
+                document.label(index),
+            )));
+        }
+        let parent_from_node = local_transform(document, index, node, notices)?;
+        let world_from_node = world_from_parent * parent_from_node;
+        if !world_from_node.is_finite() {
+            let label = document.label(index);
+            return Err(document.error(format!("{label}: its transform overflows")));
+        }
+        placements.push(Placement { node: index, world_from_node });
+        let children = node.children.iter().flatten();
+        pending.extend(children.map(|&child| (child, world_from_node, Some(index))));
+    }
+    placements.sort_by_key(|placement| placement.node.value());
+    Ok(placements)
+}
+
+/// Nodes that are no node's child. In a file where every node is one, none.
+fn roots(document: &Document) -> Vec<Index<json::Node>> {
+    let nodes = &document.root.nodes;
+    let mut is_root = vec![true; nodes.len()];
+    for child in nodes.iter().filter_map(|node| node.children.as_ref()).flatten() {
+        if let Some(is_root) = is_root.get_mut(child.value()) {
+            *is_root = false;
+        }
+    }
+    let indices = is_root.iter().enumerate().filter(|(_, is_root)| **is_root);
+    indices.map(|(index, _)| Index::new(index as u32)).collect()
+}
+
+fn local_transform(
+    document: &Document,
+    index: Index<json::Node>,
+    node: &json::Node,
+    notices: &mut Notices,
+) -> Result<DAffine3> {
+    let error =
+        |message: &str| Err(document.error(format!("{}: {message}", document.label(index))));
+    if let Some(matrix) = node.matrix {
+        if node.translation.is_some() || node.rotation.is_some() || node.scale.is_some() {
+            let message = "node with a matrix besides translation, rotation or scale: matrix taken";
+            notices.approximated(message, &document.label(index));
+        }
+        let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
+        return match matrix.row(3) == DVec4::W {
+            true => Ok(DAffine3::from_mat4(matrix)),
+            false => error("the last row of its matrix must be 0 0 0 1"),
+        };
+    }
+    let translation = DVec3::from(node.translation.unwrap_or_default().map(f64::from));
+    let scale = DVec3::from(node.scale.unwrap_or([1.0; 3]).map(f64::from));
+    let rotation = DQuat::from_array(node.rotation.unwrap_or_default().0.map(f64::from));
+    // Files round their quaternions, so all are normalised.
+    let length = rotation.length();
+    if !(length > 0.0 && length.is_finite()) {
+        return error("its rotation is not a quaternion of a positive length");
+    }
+    Ok(DAffine3::from_scale_rotation_translation(scale, rotation / length, translation))
+}
