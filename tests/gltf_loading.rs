@@ -380,7 +380,9 @@ fn punctual_lights_are_in_world_space() {
 fn the_scene_names_its_environment() {
     let mut fixture = Fixture::triangle();
     let environment = json!({"radiance": [1.0, 2.0, 3.0], "intensity": 0.5});
-    fixture.json["scenes"][0]["extras"] = json!({"steradian": {"environment": environment}});
+    let truth = json!({"radiance": [0.5, 1.0, 1.5]});
+    fixture.json["scenes"][0]["extras"] =
+        json!({"steradian": {"environment": environment, "truth": truth}});
     let constant = fixture.scene().environment.unwrap();
     assert_eq!((constant.radiance[0], constant.intensity), (Vec3::new(1.0, 2.0, 3.0), 0.5));
 

@@ -2,7 +2,7 @@
 
 use gltf::json::Extras;
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_json::Value;
 
 /// `extras.steradian` of a mesh.
@@ -37,6 +37,9 @@ pub(super) struct CameraExtras {
 pub(super) struct SceneExtras {
     /// Light from infinity.
     pub(super) environment: Option<EnvironmentExtras>,
+    /// The radiance that a formula gives for the scene: for tests, not rendered.
+    #[serde(rename = "truth")]
+    _truth: Option<IgnoredAny>,
 }
 
 /// An environment: either a file or a constant radiance.
