@@ -31,11 +31,6 @@ impl ItemHit {
     }
 }
 
-/// Room left beyond the best hit when boxes are culled. A hit's t carries the
-/// rounding of the primitive's test, so an equal one may be in a box that begins a
-/// little later.
-const CULL_MARGIN: f32 = 1.0 + 1.0 / 524_288.0;
-
 /// The first hit along `ray`. `intersect` gets a kind, an item and `t_max` and gives the
 /// item's nearest t below it.
 pub fn closest_hit(
@@ -49,7 +44,7 @@ pub fn closest_hit(
             let hit = ItemHit { t, item };
             if best.is_none_or(|b| hit.is_before(&b)) {
                 best = Some(hit);
-                *cull = ray.t_max.min(t * CULL_MARGIN);
+                *cull = t;
             }
         }
         true

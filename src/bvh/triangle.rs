@@ -55,6 +55,14 @@
 //! area, `cross(v1 - v0, v2 - v0) = 0`, is missed, so that every hit has a
 //! normal. The proof leaves out triangles thinner than `2^-24` of their length, whose
 //! picture can vanish in rounding.
+//!
+//! # Distance
+//!
+//! `t` is where the ray meets the plane, `dot(n, p0) / det`, kept between the least
+//! and the greatest t of the vertices. On a large triangle that lies across an axis it
+//! is right to a few units in the last place, where interpolating the vertices' t errs
+//! by units of the vertices' distance; the limits hold it where the determinant is all
+//! error. It orders hits; the point for shading is interpolated from the vertices.
 
 use glam::{Vec2, Vec3};
 
@@ -74,6 +82,9 @@ const UNCERTAINTY: f32 = 1.0 / 65536.0;
 
 /// Share of `D` added to `E` in the band: 32 * 2^-24.
 const UNCERTAINTY_FLOOR: f32 = 1.0 / 524_288.0;
+
+/// Quotients beyond this are not formed; a bound that f32 can still multiply by.
+const GREATEST_T: f32 = 1e30;
 
 /// Meets the triangle `v0 v1 v2` with the ray `o + t d` for `0 < t < t_max`, from
 /// either side. `d` need not be a unit vector.
@@ -104,7 +115,8 @@ fn hit<const FUSED: bool>(
     let e1 = p1 - p0;
     let e2 = p2 - p0;
     let q = cross::<FUSED>(d, p0);
-    let det = dot::<FUSED>(d, cross::<FUSED>(e1, e2));
+    let n = cross::<FUSED>(e1, e2);
+    let det = dot::<FUSED>(d, n);
     let mut w1 = -dot::<FUSED>(q, e2);
     let mut w2 = dot::<FUSED>(q, e1);
     let mut w0 = det - w1 - w2;
@@ -136,8 +148,16 @@ fn hit<const FUSED: bool>(
     }
     let u = w1 / total;
     let v = w2 / total;
-    let p = (w0 / total) * p0 + u * p1 + v * p2;
-    let t = dot::<FUSED>(p, d) / dot::<FUSED>(d, d);
+    let d_squared = dot::<FUSED>(d, d);
+    let t0 = dot::<FUSED>(p0, d) / d_squared;
+    let t1 = dot::<FUSED>(p1, d) / d_squared;
+    let t2 = dot::<FUSED>(p2, d) / d_squared;
+    let height = dot::<FUSED>(n, p0);
+    let t = if height.abs() / GREATEST_T < det.abs() {
+        (height / det).clamp(t0.min(t1).min(t2), t0.max(t1).max(t2))
+    } else {
+        w0 / total * t0 + u * t1 + v * t2
+    };
     (t > 0.0 && t < t_max).then_some(TriangleHit { t, u, v })
 }
 
