@@ -166,6 +166,20 @@ fn normals_without_direction_are_replaced_with_a_notice() {
 }
 
 #[test]
+fn tangents_are_read_where_there_are_normals() {
+    let mut fixture = Fixture::triangle();
+    let rows = [0.0, 3.0, 0.0, -1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0];
+    let tangents = fixture.floats("VEC4", &rows);
+    fixture.attribute("TANGENT", tangents);
+    assert_eq!(fixture.scene().meshes[0].tangents, []);
+
+    let normals = fixture.floats("VEC3", &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0]);
+    fixture.attribute("NORMAL", normals);
+    let x = Vec4::new(1.0, 0.0, 0.0, 1.0);
+    assert_eq!(fixture.scene().meshes[0].tangents, [Vec4::new(0.0, 1.0, 0.0, -1.0), x, x]);
+}
+
+#[test]
 fn nodes_that_share_a_mesh_are_instances_of_it() {
     let mut fixture = Fixture::triangle();
     let second = fixture.primitive().clone();

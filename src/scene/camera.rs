@@ -42,7 +42,7 @@ impl Camera {
     /// slightly above, with a vertical field of view of 45 degrees.
     pub fn framing((min, max): (Vec3, Vec3)) -> Self {
         const YFOV: f32 = std::f32::consts::FRAC_PI_4;
-        let centre = min + (max - min) * 0.5;
+        let center = min + (max - min) * 0.5;
         let towards_camera = Vec3::new(0.5, 0.35, 1.0).normalize();
         // The sphere around the box touches the upper and lower edge. A single
         // point gets a view of its surroundings.
@@ -53,7 +53,7 @@ impl Camera {
         let distance = radius / (YFOV / 2.0).sin();
         let x = Vec3::Y.cross(towards_camera).normalize();
         let y = towards_camera.cross(x);
-        let eye = centre + towards_camera * distance;
+        let eye = center + towards_camera * distance;
         Self {
             name: "default".into(),
             world_from_camera: Affine3A::from_cols(

@@ -76,7 +76,7 @@ fn read_camera(
         return Err(error("extras.steradian.apertureRadius must not be negative"));
     }
     let focus_distance =
-        lens.focus_distance.unwrap_or_else(|| distance_to_centre(&world_from_camera, bounds));
+        lens.focus_distance.unwrap_or_else(|| distance_to_center(&world_from_camera, bounds));
     if !(focus_distance > 0.0 && focus_distance.is_finite()) {
         return Err(error("extras.steradian.focusDistance must be above 0"));
     }
@@ -108,10 +108,10 @@ fn rigid(transform: &DAffine3) -> Option<Affine3A> {
 
 /// Distance along the view axis to the centre of the bounds; where that lies
 /// behind the camera, the distance in space, and 1 where it is the camera.
-fn distance_to_centre(world_from_camera: &Affine3A, (lo, hi): (Vec3, Vec3)) -> f32 {
-    let centre = lo + (hi - lo) * 0.5;
-    let to_centre = centre - Vec3::from(world_from_camera.translation);
-    let along_axis = -to_centre.dot(Vec3::from(world_from_camera.matrix3.z_axis));
-    let distances = [along_axis, to_centre.length()];
+fn distance_to_center(world_from_camera: &Affine3A, (lo, hi): (Vec3, Vec3)) -> f32 {
+    let center = lo + (hi - lo) * 0.5;
+    let to_center = center - Vec3::from(world_from_camera.translation);
+    let along_axis = -to_center.dot(Vec3::from(world_from_camera.matrix3.z_axis));
+    let distances = [along_axis, to_center.length()];
     distances.into_iter().find(|&distance| distance > 0.0).unwrap_or(1.0)
 }

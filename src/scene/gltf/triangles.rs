@@ -22,7 +22,7 @@ pub(super) fn assemble(mode: Mode, indices: &[u32]) -> Option<Assembled> {
             .map(|(i, w)| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] })
             .collect(),
         Mode::TriangleFan => match indices {
-            [centre, rim @ ..] => rim.windows(2).map(|w| [w[0], w[1], *centre]).collect(),
+            [center, rim @ ..] => rim.windows(2).map(|w| [w[0], w[1], *center]).collect(),
             [] => Vec::new(),
         },
         Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => return None,
