@@ -392,7 +392,7 @@ fn defects_are_found() {
         bvh: broken(&|bvh| {
             for child in &mut bvh.nodes[0].children {
                 let (lower, upper) = (child.lower()[0], child.upper()[0]);
-                child.x = lower | (lower + upper) / 2 << 16;
+                child.x = lower | (((lower + upper) / 2) << 16);
             }
         }),
         ..world

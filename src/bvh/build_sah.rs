@@ -11,11 +11,10 @@ use super::builder::{
 use super::{BuildItem, Bvh, TRAVERSAL_COST};
 use glam::Vec3A;
 
-/// Bins along each axis for long, middling and short ranges. More bins than items find
-/// nothing more, and most nodes are small.
-const BIN_COUNTS: [usize; 3] = [16, 8, 4];
-/// Ranges up to these lengths are middling and short.
-const SMALLER_RANGES: [usize; 2] = [32, 6];
+/// Ranges of up to so many items use 4 and 8 bins along each axis, longer ones 16. More
+/// bins than items find nothing more, and most nodes are small.
+const SHORT_RANGE: usize = 6;
+const MIDDLING_RANGE: usize = 32;
 
 /// The items whose centroids are in one slice of the range.
 #[derive(Clone, Copy)]
@@ -75,7 +74,7 @@ impl Binning {
     /// The bin on one axis, by the same arithmetic.
     #[inline]
     fn bin(&self, reference: &Reference, axis: usize) -> usize {
-        let centroid = 0.5 * reference.min[axis] + 0.5 * reference.max[axis];
+        let centroid = reference.centroid()[axis];
         self.clamp((centroid - self.origin[axis]) * self.scale[axis])
     }
 
@@ -87,6 +86,7 @@ impl Binning {
 
 #[derive(Clone, Copy)]
 struct Split {
+    binning: Binning,
     cost: f32,
     axis: usize,
     /// First bin on the right.
@@ -96,15 +96,17 @@ struct Split {
 struct SurfaceArea;
 
 impl SurfaceArea {
-    fn best_split<const BINS: usize>(references: &[Reference], binning: &Binning) -> Option<Split> {
+    /// The cheapest split between two of `BINS` bins on any axis.
+    fn best_split<const BINS: usize>(references: &[Reference], extent: &Extent) -> Option<Split> {
+        let binning = Binning::new(extent, BINS);
         let bins = scan(
             references,
             || [[Bin::EMPTY; BINS]; 3],
             |bins, reference| {
                 for (axis, bin) in binning.bins(reference).into_iter().enumerate() {
                     let bin = &mut bins[axis][bin];
-                    bin.min = bin.min.min(reference.min);
-                    bin.max = bin.max.max(reference.max);
+                    bin.min = bin.min.min(reference.min());
+                    bin.max = bin.max.max(reference.max());
                     bin.count += 1;
                 }
             },
@@ -126,7 +128,7 @@ impl SurfaceArea {
                 }
                 let cost = left.cost() + right_costs[i];
                 if best.is_none_or(|b| cost < b.cost) {
-                    best = Some(Split { cost, axis, bin: i });
+                    best = Some(Split { binning, cost, axis, bin: i });
                 }
             }
         }
@@ -142,20 +144,12 @@ impl SplitRule for SurfaceArea {
         leaf_size: usize,
     ) -> Option<usize> {
         let count = references.len();
-        const LONG: usize = BIN_COUNTS[0];
-        const MIDDLING: usize = BIN_COUNTS[1];
-        const SHORT: usize = BIN_COUNTS[2];
-        let (bin_count, best_split): (usize, fn(&[Reference], &Binning) -> Option<Split>) =
-            if count > SMALLER_RANGES[0] {
-                (LONG, Self::best_split::<LONG>)
-            } else if count > SMALLER_RANGES[1] {
-                (MIDDLING, Self::best_split::<MIDDLING>)
-            } else {
-                (SHORT, Self::best_split::<SHORT>)
-            };
-        let binning = Binning::new(extent, bin_count);
+        let best = match count {
+            ..=SHORT_RANGE => Self::best_split::<4>(references, extent),
+            ..=MIDDLING_RANGE => Self::best_split::<8>(references, extent),
+            _ => Self::best_split::<16>(references, extent),
+        };
         let area = half_area(extent.max - extent.min);
-        let best = best_split(references, &binning);
         // Boxes without area, and boxes whose area is not a number that f32 holds,
         // say nothing about cost.
         let Some(best) = best.filter(|b| area > 0.0 && b.cost.is_finite()) else {
@@ -165,7 +159,7 @@ impl SplitRule for SurfaceArea {
         if count <= leaf_size && count as f32 * area <= TRAVERSAL_COST * area + best.cost {
             return None;
         }
-        Some(partition(references, |r| binning.bin(r, best.axis) < best.bin))
+        Some(partition(references, |r| best.binning.bin(r, best.axis) < best.bin))
     }
 }
 

@@ -22,10 +22,11 @@ const PARALLEL_BUILD: usize = 1 << 12;
 
 /// An item while it is being sorted.
 #[derive(Clone, Copy)]
+#[repr(C)]
 pub(super) struct Reference {
-    pub(super) min: Vec3A,
-    pub(super) max: Vec3A,
+    min: Vec3,
     index: u32,
+    max: Vec3,
     kind: PrimitiveKind,
 }
 
@@ -33,7 +34,17 @@ impl Reference {
     /// The middle of the box; see [`Aabb::centroid`].
     #[inline]
     pub(super) fn centroid(&self) -> Vec3A {
-        0.5 * self.min + 0.5 * self.max
+        0.5 * self.min() + 0.5 * self.max()
+    }
+
+    #[inline]
+    pub(super) fn min(&self) -> Vec3A {
+        self.min.into()
+    }
+
+    #[inline]
+    pub(super) fn max(&self) -> Vec3A {
+        self.max.into()
     }
 }
 
@@ -71,8 +82,8 @@ impl Extent {
     #[inline]
     fn add(&mut self, reference: &Reference) {
         let centroid = reference.centroid();
-        self.min = self.min.min(reference.min);
-        self.max = self.max.max(reference.max);
+        self.min = self.min.min(reference.min());
+        self.max = self.max.max(reference.max());
         self.centroid_min = self.centroid_min.min(centroid);
         self.centroid_max = self.centroid_max.max(centroid);
     }
@@ -264,12 +275,7 @@ fn reference((index, item): (usize, &BuildItem)) -> Reference {
     let bounds = item.bounds;
     debug_assert!(bounds.min.is_finite() && bounds.max.is_finite(), "item {index} is not finite");
     debug_assert!(!bounds.is_empty(), "item {index} is empty");
-    Reference {
-        min: bounds.min.into(),
-        max: bounds.max.into(),
-        index: index as u32,
-        kind: item.kind,
-    }
+    Reference { min: bounds.min, index: index as u32, max: bounds.max, kind: item.kind }
 }
 
 /// A leaf of no primitives with a box of no extent. A box with its planes
