@@ -1,5 +1,31 @@
-//! Steradian, a physically based path tracer for glTF 2.0.
+//! Steradian, a physically based path tracer for glTF 2.0 whose light transport runs
+//! in WGSL compute shaders.
+//!
+//! ```text
+//!  glTF ─► scene ─► bvh ─► gpu ─► passes ─► film ─► image
+//!            └─► shader: features, composed WGSL ──┘
+//!          renderer   owns the scene on the device, the kernel and the film
+//! ```
+//!
+//! [`scene::gltf::load_with`] reads a file into plain data. [`bvh`] builds trees over
+//! it. [`shader`] decides what the scene needs ([`shader::Features`]) and composes the
+//! WGSL for that. [`gpu`] turns all of it into buffers, [`passes`] run kernels, and
+//! [`film`] holds the sums. [`renderer::Renderer`] is the whole in steps; [`image`] writes
+//! pictures. Modules earlier in the drawing never use later ones, and `scene`, `bvh`,
+//! `shader` and `image` do not know wgpu.
+
+pub mod bvh;
 pub mod error;
+pub mod film;
+pub mod gpu;
+pub mod image;
+pub mod layout;
+pub mod passes;
+pub mod renderer;
 pub mod scene;
 pub mod settings;
+pub mod shader;
+
 pub use error::{Error, Result};
+pub use renderer::Renderer;
+pub use settings::RenderSettings;

@@ -12,6 +12,7 @@ mod light;
 mod material;
 mod mesh;
 mod texture;
+mod usage;
 
 pub use camera::{Camera, Projection};
 pub use environment::Environment;
@@ -19,6 +20,7 @@ pub use light::{LightKind, PunctualLight};
 pub use material::{AlphaMode, Material};
 pub use mesh::{Instance, Mesh, Sphere};
 pub use texture::{ColorSpace, Image, TextureRef, Wrap};
+pub use usage::SphereAnchor;
 
 use glam::Vec3;
 
@@ -71,23 +73,23 @@ pub enum Treatment {
 impl Scene {
     /// World-space bounds (min, max) of all geometry; `None` without geometry.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
-        let mut bounds: Option<(Vec3, Vec3)> = None;
-        let mut grow = |lo: Vec3, hi: Vec3| {
-            bounds = Some(match bounds {
-                None => (lo, hi),
-                Some((a, b)) => (a.min(lo), b.max(hi)),
-            });
+        let spheres = self.spheres.iter().map(|s| (s.center - s.radius, s.center + s.radius));
+        spheres.chain(self.mesh_bounds()).reduce(|(a, b), (lo, hi)| (a.min(lo), b.max(hi)))
+    }
+
+    /// World-space bounds (min, max) of the meshes; `None` without any.
+    pub fn mesh_bounds(&self) -> Option<(Vec3, Vec3)> {
+        let place = |i: &Instance| {
+            let m = i.world_from_object;
+            let points = self.meshes[i.mesh as usize].positions.iter();
+            points.map(|&p| m.transform_point3(p)).fold(None, |b: Option<(Vec3, Vec3)>, p| {
+                Some(b.map_or((p, p), |(lo, hi)| (lo.min(p), hi.max(p))))
+            })
         };
-        for instance in &self.instances {
-            for &p in &self.meshes[instance.mesh as usize].positions {
-                let p = instance.world_from_object.transform_point3(p);
-                grow(p, p);
-            }
-        }
-        for s in &self.spheres {
-            grow(s.center - s.radius, s.center + s.radius);
-        }
-        bounds
+        self.instances
+            .iter()
+            .filter_map(place)
+            .reduce(|(a, b), (lo, hi)| (a.min(lo), b.max(hi)))
     }
 
     /// Number of triangles after instancing, and of spheres.

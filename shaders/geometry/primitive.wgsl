@@ -1,0 +1,35 @@
+// Records of primitives, 48 bytes each, in the order of the tree's leaves.
+#import geometry/ray
+
+// Triangle: three vertices. Sphere: centre, or the anchor; (radius, is anchored, -);
+// the anchor's normal. The fourth words are alike: material, with
+// PRIMITIVE_HAS_ALPHA; light or INVALID; the index in scene order.
+@group(0) @binding(3) var<storage, read> primitives: array<vec4<u32>>;
+
+struct Primitive {
+    a: vec4<u32>,
+    b: vec4<u32>,
+    c: vec4<u32>,
+}
+
+fn primitive_load(index: u32) -> Primitive {
+    let i = 3u * index;
+    return Primitive(primitives[i], primitives[i + 1u], primitives[i + 2u]);
+}
+
+fn primitive_material(p: Primitive) -> u32 {
+    return p.a.w & ~PRIMITIVE_HAS_ALPHA;
+}
+
+fn primitive_light(p: Primitive) -> u32 {
+    return p.b.w;
+}
+
+fn primitive_source(p: Primitive) -> u32 {
+    return p.c.w;
+}
+
+// Coordinates of the words a, b or c.
+fn primitive_point(word: vec4<u32>) -> vec3<f32> {
+    return bitcast<vec3<f32>>(word.xyz);
+}

@@ -1,0 +1,116 @@
+// Light from infinity: an equirectangular map with bilinear filtering, sampled
+// by rows, then columns, then uniformly in solid angle within the texel.
+// A texel's probability is the integral of the filtered map over it.
+#import light/light
+
+// width * height texels of radiance (w unused); then cumulative probabilities as
+// f32, four to a vec4: of the rows (height + 1), then of each row's columns (width + 1 each).
+@group(0) @binding(8) var<storage, read> environment: array<vec4<u32>>;
+
+fn environment_texel(x: i32, y: i32) -> vec3<f32> {
+    let size = vec2<i32>(frame.environment_size);
+    let column = (x + size.x) % size.x;
+    let row = clamp(y, 0, size.y - 1);
+    return bitcast<vec4<f32>>(environment[row * size.x + column]).xyz;
+}
+
+fn environment_cdf(index: u32) -> f32 {
+    let base = frame.environment_size.x * frame.environment_size.y;
+    return bitcast<f32>(environment[base + (index >> 2u)][index & 3u]);
+}
+
+fn environment_row_start(row: u32) -> u32 {
+    return frame.environment_size.y + 1u + row * (frame.environment_size.x + 1u);
+}
+
+// Position on the map, in texels, of a world direction.
+fn environment_position(direction: vec3<f32>) -> vec2<f32> {
+    let e = vec3<f32>(
+        dot(frame.environment_x.xyz, direction),
+        dot(frame.environment_y.xyz, direction),
+        dot(frame.environment_z.xyz, direction),
+    );
+    let u = atan2_accurate(e.z, e.x) * (0.5 * INV_PI) + 0.5;
+    let v = atan2_accurate(length(e.xz), e.y) * INV_PI;
+    return vec2<f32>(u, v) * vec2<f32>(frame.environment_size);
+}
+
+fn environment_direction(cos_theta: f32, sin_theta: f32, phi: f32) -> vec3<f32> {
+    let e = vec3<f32>(sin_theta * cos(phi), cos_theta, sin_theta * sin(phi));
+    return e.x * frame.environment_x.xyz + e.y * frame.environment_y.xyz + e.z * frame.environment_z.xyz;
+}
+
+// Radiance arriving against `direction` (which points away from the scene).
+fn environment_emitted(direction: vec3<f32>) -> vec3<f32> {
+    let position = environment_position(direction) - 0.5;
+    let corner = floor(position);
+    let w = position - corner;
+    let i = vec2<i32>(corner);
+    let top = mix(environment_texel(i.x, i.y), environment_texel(i.x + 1, i.y), w.x);
+    let bottom = mix(environment_texel(i.x, i.y + 1), environment_texel(i.x + 1, i.y + 1), w.x);
+    return mix(top, bottom, w.y);
+}
+
+// Density per solid angle within a texel of the given row: its probability over its solid angle.
+fn environment_density(row: u32, column: u32) -> f32 {
+    let size = vec2<f32>(frame.environment_size);
+    let start = environment_row_start(row) + column;
+    let row_pmf = environment_cdf(row + 1u) - environment_cdf(row);
+    let pmf = row_pmf * (environment_cdf(start + 1u) - environment_cdf(start));
+    let solid_angle = (2.0 * PI / size.x) * environment_row_height(row);
+    return frame.environment_pmf * pmf / solid_angle;
+}
+
+// Difference of cos theta over a row, by a product of sines: no cancellation at the poles.
+fn environment_row_height(row: u32) -> f32 {
+    let step = PI / f32(frame.environment_size.y);
+    return 2.0 * sin((f32(row) + 0.5) * step) * sin(0.5 * step);
+}
+
+fn environment_pdf(direction: vec3<f32>) -> f32 {
+    if frame.environment_pmf <= 0.0 {
+        return 0.0;
+    }
+    let position = vec2<u32>(environment_position(direction));
+    let cell = min(position, frame.environment_size - 1u);
+    return environment_density(cell.y, cell.x);
+}
+
+// The last of `count` entries from `start` whose cumulative probability is at most u.
+fn environment_search(start: u32, count: u32, u: f32) -> u32 {
+    var low = 0u;
+    var high = count;
+    while high - low > 1u {
+        let middle = (low + high) / 2u;
+        if environment_cdf(start + middle) <= u {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+// Where u lies between the entry's cumulative probability and the next.
+fn environment_rest(index: u32, u: f32) -> f32 {
+    let low = environment_cdf(index);
+    return clamp((u - low) / (environment_cdf(index + 1u) - low), 0.0, 1.0);
+}
+
+fn light_environment_sample(u: vec2<f32>) -> LightSample {
+    let size = frame.environment_size;
+    let row = environment_search(0u, size.y, u.y);
+    let start = environment_row_start(row);
+    let column = environment_search(start, size.x, u.x);
+    let pdf = environment_density(row, column);
+    if !(pdf > 0.0) {
+        return light_none();
+    }
+    let step = PI / f32(size.y);
+    let top = cos(f32(row) * step);
+    let cos_theta = top - environment_rest(row, u.y) * environment_row_height(row);
+    let sin_theta = sqrt(max(0.0, (1.0 - cos_theta) * (1.0 + cos_theta)));
+    let phi = (f32(column) + environment_rest(start + column, u.x)) * (2.0 * PI / f32(size.x)) - PI;
+    let wi = normalize(environment_direction(cos_theta, sin_theta, phi));
+    return LightSample(wi, pdf, environment_emitted(wi) / pdf, vec3<f32>(0.0), true);
+}

@@ -1,0 +1,128 @@
+// What light sampling can choose: one kind, one file. Densities are per solid
+// angle at the receiver and include the probability of the choice.
+#import geometry/surface
+#import frame/frame
+#if LIGHT_TRIANGLES
+#import light/triangle
+#endif
+#if LIGHT_SPHERES
+#import light/sphere
+#endif
+#if LIGHT_PUNCTUAL
+#import light/punctual
+#endif
+#if ENVIRONMENT
+#import light/environment
+#endif
+
+// A direction from a receiver towards a light.
+struct LightSample {
+    // Unit.
+    wi: vec3<f32>,
+    // PDF_DELTA: the light has no extent.
+    pdf: f32,
+    // Radiance over density; for a light without extent, its irradiance on a facing
+    // surface over the probability of its choice. 0 is no sample.
+    weight: vec3<f32>,
+    // The point on the light, already moved off it towards the receiver; unused at infinity.
+    target_point: vec3<f32>,
+    is_infinite: bool,
+}
+
+struct Light {
+    // LIGHT_ kind.
+    kind: u32,
+    // Sum of the probabilities of all lights before this one.
+    cdf: f32,
+    // Probability of its choice, by power.
+    pmf: f32,
+    material: u32,
+    // Triangle: vertices. Sphere: centre; (radius, -, -). Point and spot:
+    // position; direction of travel; (range, cos_inner, cos_outer). Directional: -; direction.
+    a: vec3<f32>,
+    // Emitted radiance, radiant intensity, or irradiance.
+    red: f32,
+    b: vec3<f32>,
+    green: f32,
+    c: vec3<f32>,
+    blue: f32,
+    // Triangle: its index in scene order.
+    source: u32,
+    // Both sides emit.
+    is_double_sided: u32,
+    padding_0: u32,
+    padding_1: u32,
+}
+
+@group(0) @binding(6) var<storage, read> lights: array<Light>;
+
+// No more than so many lights are chosen by the stratified number that also places the sample.
+const FEW_LIGHTS: u32 = 16u;
+
+fn light_none() -> LightSample {
+    return LightSample(vec3<f32>(0.0), 0.0, vec3<f32>(0.0), vec3<f32>(0.0), false);
+}
+
+fn light_color(l: Light) -> vec3<f32> {
+    return vec3<f32>(l.red, l.green, l.blue);
+}
+
+// The last light whose cdf is at most u.
+fn light_pick(u: f32) -> u32 {
+    var low = 0u;
+    var high = frame.light_count;
+    while high - low > 1u {
+        let middle = (low + high) / 2u;
+        if lights[middle].cdf <= u {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+// One light, by power, and one direction towards it. `choice` picks among many lights.
+fn light_sample(s: Surface, u: vec2<f32>, choice: f32) -> LightSample {
+    let few = frame.light_count <= FEW_LIGHTS;
+    let index = light_pick(select(choice, u.x, few));
+    let l = lights[index];
+    let rest = clamp((u.x - l.cdf) / l.pmf, 0.0, ONE_BELOW);
+    let v = vec2<f32>(select(u.x, rest, few), u.y);
+#if LIGHT_TRIANGLES
+    if l.kind == LIGHT_TRIANGLE {
+        return light_triangle_sample(l, s, v);
+    }
+#endif
+#if LIGHT_SPHERES
+    if l.kind == LIGHT_SPHERE {
+        return light_sphere_sample(l, s, v);
+    }
+#endif
+#if LIGHT_PUNCTUAL
+    if l.kind >= LIGHT_POINT && l.kind <= LIGHT_DIRECTIONAL {
+        return light_punctual_sample(l, s);
+    }
+#endif
+#if ENVIRONMENT
+    if l.kind == LIGHT_ENVIRONMENT {
+        return light_environment_sample(v);
+    }
+#endif
+    return light_none();
+}
+
+// Density with which light_sample at `from` would have found the emitting surface `s` that a ray met.
+fn light_surface_pdf(s: Surface, hit_is_sphere: bool, from_point: vec3<f32>) -> f32 {
+    let l = lights[s.light];
+#if LIGHT_SPHERES
+    if hit_is_sphere {
+        return light_sphere_pdf(l, s, from_point);
+    }
+#endif
+#if LIGHT_TRIANGLES
+    return light_triangle_pdf(l, s, from_point);
+#else
+    return 0.0;
+#endif
+}

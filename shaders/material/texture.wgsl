@@ -1,0 +1,61 @@
+// Images of any size in one buffer, filtered here.
+#import math/math
+
+// First the descriptors, three vec4 each: (first texel, width, height, TEXTURE_
+// flags) and the two rows of the transform of texture coordinates; then RGBA8
+// texels, four to a vec4.
+@group(0) @binding(7) var<storage, read> textures: array<vec4<u32>>;
+
+fn texture_texel(first: u32, index: u32) -> vec4<f32> {
+    let at = first + index;
+    return unpack4x8unorm(textures[at >> 2u][at & 3u]);
+}
+
+// IEC 61966-2-1.
+fn texture_from_srgb(c: vec3<f32>) -> vec3<f32> {
+    let curve = pow((c + 0.055) / 1.055, vec3<f32>(2.4));
+    return select(curve, c / 12.92, c <= vec3<f32>(0.04045));
+}
+
+// Texel coordinate brought into [0, size).
+fn texture_wrap(i: i32, size: i32, mode: u32) -> i32 {
+    if mode == TEXTURE_WRAP_CLAMP {
+        return clamp(i, 0, size - 1);
+    }
+    let period = select(size, 2 * size, mode == TEXTURE_WRAP_MIRROR);
+    let m = ((i % period) + period) % period;
+    return select(m, period - 1 - m, m >= size);
+}
+
+// The texture's value in linear units, or 1 without one. `uv` holds both sets.
+fn texture_or_white(texture: u32, uv: vec4<f32>) -> vec4<f32> {
+    if texture == INVALID {
+        return vec4<f32>(1.0);
+    }
+    let head = textures[3u * texture];
+    let x_row = bitcast<vec4<f32>>(textures[3u * texture + 1u]);
+    let y_row = bitcast<vec4<f32>>(textures[3u * texture + 2u]);
+    let flags = head.w;
+    let set = select(uv.xy, uv.zw, (flags & TEXTURE_UV_SET) != 0u);
+    let size = vec2<i32>(head.yz);
+    let at = vec2<f32>(dot(x_row.xyz, vec3<f32>(set, 1.0)), dot(y_row.xyz, vec3<f32>(set, 1.0)));
+    let is_nearest = (flags & TEXTURE_NEAREST) != 0u;
+    let position = at * vec2<f32>(size) - select(0.5, 0.0, is_nearest);
+    let corner = floor(position);
+    let weight = select(position - corner, vec2<f32>(0.0), is_nearest);
+    let i = vec2<i32>(corner);
+    let mode = vec2<u32>(flags >> TEXTURE_WRAP_U_SHIFT, flags >> TEXTURE_WRAP_V_SHIFT) & vec2<u32>(3u);
+    let x = vec2<u32>(vec2<i32>(texture_wrap(i.x, size.x, mode.x), texture_wrap(i.x + 1, size.x, mode.x)));
+    let y = vec2<u32>(vec2<i32>(texture_wrap(i.y, size.y, mode.y), texture_wrap(i.y + 1, size.y, mode.y)));
+    var t00 = texture_texel(head.x, y.x * head.y + x.x);
+    var t10 = texture_texel(head.x, y.x * head.y + x.y);
+    var t01 = texture_texel(head.x, y.y * head.y + x.x);
+    var t11 = texture_texel(head.x, y.y * head.y + x.y);
+    if (flags & TEXTURE_SRGB) != 0u {
+        t00 = vec4<f32>(texture_from_srgb(t00.rgb), t00.a);
+        t10 = vec4<f32>(texture_from_srgb(t10.rgb), t10.a);
+        t01 = vec4<f32>(texture_from_srgb(t01.rgb), t01.a);
+        t11 = vec4<f32>(texture_from_srgb(t11.rgb), t11.a);
+    }
+    return mix(mix(t00, t10, weight.x), mix(t01, t11, weight.x), weight.y);
+}

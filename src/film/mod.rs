@@ -1,0 +1,201 @@
+//! Per-pixel sums of radiance, wide enough for any number of samples, and how
+//! far they are from converged.
+
+mod block_means;
+
+use crate::image::Picture;
+use crate::settings::Crop;
+use block_means::BlockMeans;
+
+/// Luminance below this share of the picture's mean does not make an error count more.
+const ERROR_FLOOR: f64 = 0.01;
+
+/// The sums of one render.
+#[derive(Debug, Clone)]
+pub struct Film {
+    window: Crop,
+    sum: Vec<[f64; 3]>,
+    sample_count: Vec<u32>,
+    means: BlockMeans,
+}
+
+/// What a pixel gained in one block, as the device summed it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BlockSum {
+    /// Sum of the samples' radiance.
+    pub sum: [f32; 3],
+    /// Samples in it.
+    pub sample_count: u32,
+}
+
+/// How far a picture is from converged, by its own samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorEstimate {
+    /// Mean over pixels of variance / (mean² + ε) of the luminance, with
+    /// ε = (0.01 × mean luminance of the picture)².
+    pub relmse: f64,
+    /// Mean luminance of the picture.
+    pub mean_luminance: f64,
+}
+
+fn luminance(c: [f64; 3]) -> f64 {
+    0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]
+}
+
+impl Film {
+    /// An empty film for a window of pixels.
+    pub fn new(window: Crop) -> Self {
+        let count = window.width as usize * window.height as usize;
+        Self {
+            window,
+            sum: vec![[0.0; 3]; count],
+            sample_count: vec![0; count],
+            means: BlockMeans::new(count),
+        }
+    }
+
+    /// The pixels that it covers.
+    pub fn window(&self) -> Crop {
+        self.window
+    }
+
+    /// Folds the block of the pixel in column `x` and row `y` of the window. Blocks of
+    /// a pixel come in sample order. `is_whole`: the block has all its samples, and
+    /// counts as one observation for the variance.
+    pub fn add_block(&mut self, x: u32, y: u32, block: BlockSum, is_whole: bool) {
+        if block.sample_count == 0 {
+            return;
+        }
+        let i = y as usize * self.window.width as usize + x as usize;
+        let sum = block.sum.map(f64::from);
+        for (total, s) in self.sum[i].iter_mut().zip(sum) {
+            *total += s;
+        }
+        self.sample_count[i] += block.sample_count;
+        if is_whole {
+            self.means.add(i, (luminance(sum) / f64::from(block.sample_count)) as f32);
+        }
+    }
+
+    /// Ends a round of whole blocks: every pixel has had one.
+    pub fn end_round(&mut self) {
+        self.means.end_round();
+    }
+
+    /// Mean radiance of a pixel by its index in the window; 0 without samples.
+    fn mean(&self, i: usize) -> [f64; 3] {
+        let n = f64::from(self.sample_count[i].max(1));
+        self.sum[i].map(|s| s / n)
+    }
+
+    /// Mean radiance of every pixel.
+    pub fn picture(&self) -> Picture {
+        let rgb = (0..self.sum.len()).map(|i| self.mean(i).map(|c| c as f32)).collect();
+        Picture::new(self.window.width, self.window.height, rgb)
+    }
+
+    /// Samples of the pixel that has fewest.
+    pub fn least_samples(&self) -> u32 {
+        self.sample_count.iter().copied().min().unwrap_or(0)
+    }
+
+    /// Samples of the pixel that has most.
+    pub fn most_samples(&self) -> u32 {
+        self.sample_count.iter().copied().max().unwrap_or(0)
+    }
+
+    /// Samples of every pixel.
+    pub fn sample_counts(&self) -> &[u32] {
+        &self.sample_count
+    }
+
+    /// Standard error of every pixel's mean luminance, from the spread of the means of
+    /// 8 to 16 consecutive runs of its samples (fewer at the beginning). `None`
+    /// before there are two.
+    pub fn standard_error(&self) -> Option<Vec<f32>> {
+        let variance = (0..self.sum.len()).map(|i| self.means.variance_of_mean(i));
+        variance.map(|v| v.map(|v| v.sqrt() as f32)).collect()
+    }
+
+    /// The picture's error by its own samples. `None` before there are two whole blocks.
+    pub fn estimated_error(&self) -> Option<ErrorEstimate> {
+        let n = self.sum.len() as f64;
+        let mean_luminance =
+            (0..self.sum.len()).map(|i| luminance(self.mean(i))).sum::<f64>() / n;
+        let floor = (ERROR_FLOOR * mean_luminance).powi(2);
+        let mut relmse = 0.0;
+        for i in 0..self.sum.len() {
+            let v = self.means.variance_of_mean(i)?;
+            if v > 0.0 {
+                relmse += v / (luminance(self.mean(i)).powi(2) + floor);
+            }
+        }
+        Some(ErrorEstimate { relmse: relmse / n, mean_luminance })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WINDOW: Crop = Crop { x: 0, y: 0, width: 1, height: 1 };
+
+    fn block(value: f32, n: u32) -> BlockSum {
+        BlockSum { sum: [value * n as f32; 3], sample_count: n }
+    }
+
+    #[test]
+    fn a_constant_pixel_stays_exact() {
+        for value in [0.1_f32, 12.5, 1e4, 1e-4] {
+            let mut film = Film::new(WINDOW);
+            for _ in 0..62_500 {
+                film.add_block(0, 0, block(value, 16), true);
+                film.end_round();
+            }
+            let mean = film.picture().rgb[0][0];
+            assert!((mean - value).abs() <= 2.0 * value * f32::EPSILON, "{value}: {mean}");
+            assert_eq!(film.standard_error().unwrap(), [0.0]);
+            assert_eq!(film.most_samples(), 1_000_000);
+        }
+    }
+
+    /// With independent blocks s²/R is unbiased: its mean over many pixels is the
+    /// true variance of their means within 4 standard errors.
+    #[test]
+    fn the_standard_error_is_that_of_the_mean() {
+        let window = Crop { width: 64, height: 64, ..WINDOW };
+        let mut film = Film::new(window);
+        let mut state = 1_u32;
+        let mut uniform = move || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            let word = (state >> ((state >> 28) + 4) ^ state).wrapping_mul(277_803_737);
+            (word >> 22 ^ word) as f32 / u32::MAX as f32
+        };
+        let rounds = 40;
+        for _ in 0..rounds {
+            for i in 0..64 * 64 {
+                film.add_block(i % 64, i / 64, block(uniform(), 1), true);
+            }
+            film.end_round();
+        }
+        // 40 blocks: ten observations of four blocks each.
+        let expected = 1.0 / 12.0 / f64::from(rounds);
+        let se = film.standard_error().unwrap();
+        let n = se.len() as f64;
+        let mean = se.iter().map(|s| f64::from(*s).powi(2)).sum::<f64>() / n;
+        // The variance of s² of ten normal observations is 2/9 of its square.
+        let spread = expected * (2.0 / 9.0_f64).sqrt() / n.sqrt();
+        assert!((mean - expected).abs() < 4.0 * spread, "{mean} {expected} {spread}");
+    }
+
+    #[test]
+    fn one_block_gives_no_error() {
+        let mut film = Film::new(WINDOW);
+        film.add_block(0, 0, block(1.0, 16), true);
+        film.end_round();
+        assert_eq!(film.estimated_error(), None);
+        film.add_block(0, 0, block(1.0, 4), false);
+        assert_eq!(film.estimated_error(), None);
+        assert_eq!(film.least_samples(), 20);
+    }
+}

@@ -1,0 +1,181 @@
+//! Adapters, and the device that everything runs on.
+
+use crate::{Error, Result};
+use std::sync::{Arc, Mutex};
+
+/// What to do where no device is found.
+const NO_DEVICE_REMEDY: &str = "install a Vulkan driver; for rendering on the CPU: \
+    apt-get install libvulkan1 mesa-vulkan-drivers (make demo does this)";
+
+/// The kind of a device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DeviceKind {
+    /// A GPU of its own.
+    Discrete,
+    /// A GPU that shares the processor's memory.
+    Integrated,
+    /// A GPU passed through to a virtual machine.
+    Virtual,
+    /// Software on the processor.
+    Cpu,
+    /// Not told by the driver.
+    Other,
+}
+
+/// One line about an adapter.
+#[derive(Debug, Clone)]
+pub struct DeviceInfo {
+    /// Place in the list; what `--device` takes.
+    pub index: usize,
+    /// The adapter's name.
+    pub name: String,
+    /// Driver name and version.
+    pub driver: String,
+    /// Kind.
+    pub kind: DeviceKind,
+    /// Smallest and largest subgroup.
+    pub subgroup_size: (u32, u32),
+    /// Largest storage buffer binding, bytes.
+    pub max_binding_size: u64,
+    /// Storage buffers that one shader stage can bind.
+    pub max_storage_buffers: u32,
+}
+
+/// An open device with its queue.
+pub struct Device {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    info: DeviceInfo,
+    /// The first error that no call reported.
+    failure: Arc<Mutex<Option<String>>>,
+}
+
+fn instance() -> wgpu::Instance {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    descriptor.backends = wgpu::Backends::VULKAN;
+    wgpu::Instance::new(descriptor)
+}
+
+fn adapters() -> Vec<wgpu::Adapter> {
+    pollster::block_on(instance().enumerate_adapters(wgpu::Backends::VULKAN))
+}
+
+fn describe(index: usize, adapter: &wgpu::Adapter) -> DeviceInfo {
+    let info = adapter.get_info();
+    let limits = adapter.limits();
+    let kind = match info.device_type {
+        wgpu::DeviceType::DiscreteGpu => DeviceKind::Discrete,
+        wgpu::DeviceType::IntegratedGpu => DeviceKind::Integrated,
+        wgpu::DeviceType::VirtualGpu => DeviceKind::Virtual,
+        wgpu::DeviceType::Cpu => DeviceKind::Cpu,
+        wgpu::DeviceType::Other => DeviceKind::Other,
+    };
+    DeviceInfo {
+        index,
+        name: info.name,
+        driver: format!("{} {}", info.driver, info.driver_info),
+        kind,
+        subgroup_size: (info.subgroup_min_size, info.subgroup_max_size),
+        max_binding_size: limits.max_storage_buffer_binding_size,
+        max_storage_buffers: limits.max_storage_buffers_per_shader_stage,
+    }
+}
+
+impl Device {
+    /// All Vulkan adapters.
+    pub fn list() -> Vec<DeviceInfo> {
+        adapters().iter().enumerate().map(|(i, a)| describe(i, a)).collect()
+    }
+
+    /// Opens the adapter whose index or part of whose name is `selector`; without
+    /// one the best: discrete before integrated before virtual before software.
+    ///
+    /// # Errors
+    /// [`Error::NoDevice`] where none is found, none fits, or it cannot be opened.
+    pub fn open(selector: Option<&str>) -> Result<Self> {
+        let found = adapters();
+        let infos: Vec<_> = found.iter().enumerate().map(|(i, a)| describe(i, a)).collect();
+        if infos.is_empty() {
+            return Err(Error::NoDevice(format!("no Vulkan device found: {NO_DEVICE_REMEDY}")));
+        }
+        let fits = |info: &&DeviceInfo| match selector {
+            None => true,
+            Some(s) => match s.parse::<usize>() {
+                Ok(index) => info.index == index,
+                Err(_) => info.name.to_lowercase().contains(&s.to_lowercase()),
+            },
+        };
+        let order = [
+            DeviceKind::Discrete,
+            DeviceKind::Integrated,
+            DeviceKind::Virtual,
+            DeviceKind::Other,
+            DeviceKind::Cpu,
+        ];
+        let rank = |info: &&DeviceInfo| order.iter().position(|k| *k == info.kind);
+        let Some(info) = infos.iter().filter(fits).min_by_key(rank) else {
+            let names: Vec<_> = infos.iter().map(|i| format!("{} {}", i.index, i.name)).collect();
+            return Err(Error::NoDevice(format!(
+                "no device fits {:?}; there are: {}",
+                selector.unwrap_or_default(),
+                names.join(", ")
+            )));
+        };
+        Self::open_adapter(&found[info.index], info.clone())
+    }
+
+    fn open_adapter(adapter: &wgpu::Adapter, info: DeviceInfo) -> Result<Self> {
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("steradian"),
+            required_features: adapter.features() & wgpu::Features::SUBGROUP,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
+        let opened = pollster::block_on(adapter.request_device(&descriptor));
+        let (device, queue) = opened
+            .map_err(|e| Error::NoDevice(format!("{} cannot be opened: {e}", info.name)))?;
+        let failure = Arc::new(Mutex::new(None));
+        let keep_first = |failure: &Arc<Mutex<Option<String>>>, message: String| {
+            failure.lock().unwrap().get_or_insert(message);
+        };
+        let on_error = failure.clone();
+        device.on_uncaptured_error(Arc::new(move |e| keep_first(&on_error, e.to_string())));
+        let on_loss = failure.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                keep_first(&on_loss, format!("device lost: {message}"));
+            }
+        });
+        Ok(Self { device, queue, info, failure })
+    }
+
+    /// About the adapter.
+    pub fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    /// Waits for all submitted work.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`] if anything failed since the last call.
+    pub fn wait(&self) -> Result<()> {
+        let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
+        if let Some(message) = self.failure.lock().unwrap().take() {
+            return Err(Error::DeviceLost(format!("{}: {message}", self.info.name)));
+        }
+        polled.map(|_| ()).map_err(|e| Error::DeviceLost(format!("{}: {e}", self.info.name)))
+    }
+
+    /// A buffer that shaders can read and copies can fill.
+    pub(crate) fn storage_buffer(&self, label: &str, bytes: &[u8]) -> wgpu::Buffer {
+        use wgpu::util::DeviceExt;
+        // A binding of no bytes is invalid: an array that the scene leaves empty holds zeros.
+        let padding = [0_u8; 128];
+        let contents = if bytes.is_empty() { &padding[..] } else { bytes };
+        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some(label),
+            contents,
+            usage: wgpu::BufferUsages::STORAGE,
+        })
+    }
+}

@@ -1,0 +1,138 @@
+//! The lights that can be sampled, chosen by power.
+
+use super::GpuLight;
+use super::environment::{cumulative, luminance};
+use super::world::{Emitter, EmitterShape};
+use crate::scene::{Image, LightKind, Material, PunctualLight, Scene};
+use crate::shader::generated::{INVALID, light};
+use glam::Vec3;
+use std::f64::consts::PI;
+
+/// Share of the choices that goes to all lights alike, so that none of low power is lost to rounding.
+const UNIFORM_SHARE: f64 = 1e-3;
+
+/// `lights`.
+pub(super) struct Lights {
+    pub(super) records: Vec<GpuLight>,
+    /// Probability of choosing the environment.
+    pub(super) environment_pmf: f32,
+}
+
+fn blank(kind: u32, color: Vec3) -> GpuLight {
+    GpuLight {
+        kind,
+        red: color.x,
+        green: color.y,
+        blue: color.z,
+        material: INVALID,
+        source: INVALID,
+        ..bytemuck::Zeroable::zeroed()
+    }
+}
+
+/// Lights of `scene`: those of `emitters` first, in their order.
+pub(super) fn build(scene: &Scene, emitters: &[Emitter], environment_integral: f64) -> Lights {
+    let radius = scene.bounds().map_or(0.0, |(a, b)| f64::from(a.distance(b)) * 0.5);
+    let disk = PI * radius * radius;
+    let mut records: Vec<GpuLight> = Vec::new();
+    let mut powers: Vec<f64> = Vec::new();
+    for e in emitters {
+        let m = &scene.materials[e.material as usize];
+        records.push(emitter_record(e, m));
+        powers.push(emitter_power(e, m, &scene.images));
+    }
+    for l in scene.lights.iter().filter(|l| luminance(l.intensity) > 0.0) {
+        let (record, power) = punctual(l, disk);
+        records.push(record);
+        powers.push(power);
+    }
+    let has_environment = environment_integral > 0.0;
+    if has_environment {
+        records.push(blank(light::ENVIRONMENT, Vec3::ZERO));
+        powers.push(disk * environment_integral);
+    }
+    let environment_pmf = assign(&mut records, &powers, has_environment);
+    Lights { records, environment_pmf }
+}
+
+/// Sets cdf and pmf; gives the last light's pmf if that is the environment.
+fn assign(records: &mut [GpuLight], powers: &[f64], has_environment: bool) -> f32 {
+    let sum: f64 = powers.iter().sum();
+    let n = powers.len() as f64;
+    let share = |p: &f64| {
+        let by_power = if sum > 0.0 { p / sum } else { 1.0 / n };
+        UNIFORM_SHARE / n + (1.0 - UNIFORM_SHARE) * by_power
+    };
+    let cdf = cumulative(&powers.iter().map(share).collect::<Vec<_>>());
+    for (record, pair) in records.iter_mut().zip(cdf.windows(2)) {
+        record.cdf = pair[0];
+        record.pmf = pair[1] - pair[0];
+    }
+    records.last().filter(|_| has_environment).map_or(0.0, |r| r.pmf)
+}
+
+fn emitter_record(e: &Emitter, m: &Material) -> GpuLight {
+    let mut record = blank(light::TRIANGLE, m.emission);
+    record.material = e.material;
+    record.source = e.source;
+    record.is_double_sided = u32::from(m.double_sided);
+    match e.shape {
+        EmitterShape::Triangle(v) => {
+            (record.a, record.b, record.c) = (v[0].into(), v[1].into(), v[2].into());
+        }
+        EmitterShape::Sphere { center, radius } => {
+            record.kind = light::SPHERE;
+            record.a = center.into();
+            record.b = [radius, 0.0, 0.0];
+        }
+    }
+    record
+}
+
+fn emitter_power(e: &Emitter, m: &Material, images: &[Image]) -> f64 {
+    let area = match e.shape {
+        EmitterShape::Triangle([a, b, c]) => {
+            0.5 * (b - a).as_dvec3().cross((c - a).as_dvec3()).length()
+        }
+        EmitterShape::Sphere { radius, .. } => 4.0 * PI * f64::from(radius).powi(2),
+    };
+    let texture = m.emission_texture.map_or(1.0, |t| mean_luminance(&images[t.image as usize]));
+    let sides = if m.double_sided { 2.0 } else { 1.0 };
+    PI * area * sides * luminance(m.emission) * texture
+}
+
+/// Mean of an sRGB image's linear luminance: stands in for the part that a triangle uses.
+fn mean_luminance(image: &Image) -> f64 {
+    let linear = |c: u8| f64::from(crate::image::linear_from_srgb(f32::from(c) / 255.0));
+    let sum: f64 = image
+        .rgba
+        .iter()
+        .map(|c| 0.2126 * linear(c[0]) + 0.7152 * linear(c[1]) + 0.0722 * linear(c[2]))
+        .sum();
+    sum / image.rgba.len() as f64
+}
+
+fn punctual(l: &PunctualLight, disk: f64) -> (GpuLight, f64) {
+    let strength = luminance(l.intensity);
+    match l.kind {
+        LightKind::Point { position, range } => {
+            let mut record = blank(light::POINT, l.intensity);
+            record.a = position.into();
+            record.c = [range, 0.0, 0.0];
+            (record, 4.0 * PI * strength)
+        }
+        LightKind::Spot { position, direction, cos_inner, cos_outer, range } => {
+            let mut record = blank(light::SPOT, l.intensity);
+            record.a = position.into();
+            record.b = direction.into();
+            record.c = [range, cos_inner, cos_outer];
+            let cosine = 0.5 * f64::from(cos_inner + cos_outer);
+            (record, 2.0 * PI * (1.0 - cosine).max(1e-3) * strength)
+        }
+        LightKind::Directional { direction } => {
+            let mut record = blank(light::DIRECTIONAL, l.intensity);
+            record.b = direction.into();
+            (record, disk * strength)
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! Everything that knows wgpu, except the passes.
+
+mod device;
+mod environment;
+mod lights;
+mod limits;
+mod materials;
+mod pipeline;
+mod scene;
+mod types;
+mod world;
+mod world_source;
+
+pub use device::{Device, DeviceInfo, DeviceKind};
+pub use pipeline::{Kernel, validate};
+pub use scene::{GpuScene, SceneBuffers};
+pub use types::{GpuCamera, GpuFilmPixel, GpuFrame, GpuLight, GpuMaterial, layouts};
+pub use world::{World, WorldStatistics};

@@ -1,0 +1,101 @@
+//! Composed WGSL to a compute pipeline. Bindings are found by the name of the
+//! variable, so that their numbers stand in the WGSL alone.
+
+use super::Device;
+use crate::shader::{Composed, Features, Library, compose};
+use crate::{Error, Result};
+use std::collections::BTreeMap;
+
+/// A compute pipeline and what it binds.
+pub struct Kernel {
+    pub(crate) pipeline: wgpu::ComputePipeline,
+    bindings: BTreeMap<String, u32>,
+}
+
+/// Parses and validates composed text without a device.
+///
+/// # Errors
+/// [`Error::Shader`] with the message and the file and line it is about.
+pub fn validate(entry: &str, composed: &Composed) -> Result<naga::Module> {
+    let fail = |message: String, line: Option<u32>| {
+        let at = line.map_or_else(String::new, |l| format!("{}: ", composed.locate(l as usize)));
+        Error::Shader { entry: entry.to_owned(), message: format!("{at}{message}") }
+    };
+    let module = naga::front::wgsl::parse_str(&composed.text).map_err(|e| {
+        let line = e.location(&composed.text).map(|l| l.line_number);
+        fail(e.message().to_owned(), line)
+    })?;
+    let capabilities = naga::valid::Capabilities::all();
+    naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities)
+        .validate(&module)
+        .map_err(|e| {
+            let line = e.location(&composed.text).map(|l| l.line_number);
+            let mut message = e.as_inner().to_string();
+            let mut source = std::error::Error::source(e.as_inner());
+            while let Some(s) = source {
+                message.push_str(&format!(": {s}"));
+                source = s.source();
+            }
+            fail(message, line)
+        })?;
+    Ok(module)
+}
+
+impl Kernel {
+    /// Compiles the entry point `main` of `entry` for `features`.
+    ///
+    /// # Errors
+    /// [`Error::Shader`].
+    pub fn new(
+        device: &Device,
+        library: &Library,
+        entry: &str,
+        features: Features,
+        generated: &str,
+    ) -> Result<Self> {
+        let composed = compose(library, entry, features, generated)?;
+        let module = validate(entry, &composed)?;
+        let bindings = module
+            .global_variables
+            .iter()
+            .filter_map(|(_, v)| Some((v.name.clone()?, v.binding.as_ref()?.binding)))
+            .collect();
+        let scope = device.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let shader = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(entry),
+            source: wgpu::ShaderSource::Wgsl(composed.text.into()),
+        });
+        let pipeline = device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry),
+            layout: None,
+            module: &shader,
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                zero_initialize_workgroup_memory: false,
+                ..Default::default()
+            },
+            cache: None,
+        });
+        if let Some(e) = pollster::block_on(scope.pop()) {
+            return Err(Error::Shader { entry: entry.to_owned(), message: e.to_string() });
+        }
+        Ok(Self { pipeline, bindings })
+    }
+
+    /// Binds each buffer to the variable of its name; those that the kernel does not have are left out.
+    pub fn bind(&self, device: &Device, buffers: &[(&str, &wgpu::Buffer)]) -> wgpu::BindGroup {
+        let entries: Vec<_> = buffers
+            .iter()
+            .filter_map(|(name, buffer)| {
+                let binding = *self.bindings.get(*name)?;
+                Some(wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            })
+            .collect();
+        assert_eq!(entries.len(), self.bindings.len(), "unbound: {:?}", self.bindings);
+        device.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &self.pipeline.get_bind_group_layout(0),
+            entries: &entries,
+        })
+    }
+}

@@ -1,0 +1,118 @@
+//! Every struct shared with WGSL. Fields are documented there.
+
+use crate::layout::{StructLayout, gpu_struct};
+
+gpu_struct! {
+    /// `frame/frame.wgsl`.
+    "Camera" GpuCamera {
+        position: [f32; 3],
+        aperture_radius: f32,
+        right: [f32; 3],
+        focus_distance: f32,
+        up: [f32; 3],
+        half_height: f32,
+        back: [f32; 3],
+        half_width: f32,
+        orthographic: u32,
+        padding_0: u32,
+        padding_1: u32,
+        padding_2: u32,
+    }
+}
+
+gpu_struct! {
+    /// `frame/frame.wgsl`.
+    "Frame" GpuFrame {
+        camera: GpuCamera,
+        environment_x: [f32; 4],
+        environment_y: [f32; 4],
+        environment_z: [f32; 4],
+        environment_size: [u32; 2],
+        environment_pmf: f32,
+        light_count: u32,
+        resolution: [u32; 2],
+        window_origin: [u32; 2],
+        window_size: [u32; 2],
+        tiles_across: u32,
+        region_first_tile: u32,
+        dispatch_first_tile: u32,
+        dispatch_tile_count: u32,
+        sample_first: u32,
+        sample_count: u32,
+        seed: u32,
+        max_bounces: u32,
+        only_bounce: u32,
+        light_samples: u32,
+        triangle_count: u32,
+        sphere_count: u32,
+        attribute_base: u32,
+        attribute_stride: u32,
+    }
+}
+
+gpu_struct! {
+    /// `film/film.wgsl`.
+    "FilmPixel" GpuFilmPixel {
+        sum: [f32; 3],
+        sample_count: u32,
+        closest_ray_count: u32,
+        shadow_ray_count: u32,
+        fault_counts: u32,
+        fault_sample: u32,
+    }
+}
+
+gpu_struct! {
+    /// `material/material.wgsl`.
+    "Material" GpuMaterial {
+        base_color: [f32; 3],
+        alpha: f32,
+        emission: [f32; 3],
+        alpha_cutoff: f32,
+        specular_color: [f32; 3],
+        specular: f32,
+        metallic: f32,
+        roughness: f32,
+        ior: f32,
+        transmission: f32,
+        normal_scale: f32,
+        flags: u32,
+        base_color_texture: u32,
+        metallic_roughness_texture: u32,
+        normal_texture: u32,
+        emission_texture: u32,
+        padding_0: u32,
+        padding_1: u32,
+    }
+}
+
+gpu_struct! {
+    /// `light/light.wgsl`.
+    "Light" GpuLight {
+        kind: u32,
+        cdf: f32,
+        pmf: f32,
+        material: u32,
+        a: [f32; 3],
+        red: f32,
+        b: [f32; 3],
+        green: f32,
+        c: [f32; 3],
+        blue: f32,
+        source: u32,
+        is_double_sided: u32,
+        padding_0: u32,
+        padding_1: u32,
+    }
+}
+
+/// The layouts of all of them.
+pub fn layouts() -> Vec<StructLayout> {
+    vec![
+        GpuCamera::layout(),
+        GpuFrame::layout(),
+        GpuFilmPixel::layout(),
+        GpuMaterial::layout(),
+        GpuLight::layout(),
+    ]
+}

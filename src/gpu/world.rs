@@ -1,0 +1,247 @@
+//! The scene's geometry as trees and records.
+//!
+//! Meshes that are placed once, or are small, are copied into world space and lie,
+//! with the spheres, in the leaves of the top tree. Meshes that many instances share
+//! have a tree of their own in object space; their instances are leaves of the top tree.
+
+use super::world_source::{Sources, Triangle};
+use crate::bvh::{Aabb, BuildItem, Bvh, LEAF_BIT, PrimitiveKind, build_median, build_sah};
+use crate::scene::Scene;
+use crate::settings::Accel;
+use crate::shader::generated::{PRIMITIVE_HAS_ALPHA, TREE_RECORD_SIZE};
+use crate::{Error, Result};
+use glam::{Affine3A, Vec3};
+
+/// Geometry in the form of the device's buffers.
+#[derive(Debug, Default)]
+pub struct World {
+    /// Records of the top tree and of instances, then the nodes of all trees.
+    pub nodes: Vec<[u32; 4]>,
+    /// Three words a primitive, in the order of the leaves.
+    pub primitives: Vec<[u32; 4]>,
+    /// Corners of primitives, then vertices.
+    pub attributes: Vec<[u32; 4]>,
+    /// Where the vertices begin.
+    pub attribute_base: u32,
+    /// `vec4`s of a vertex.
+    pub attribute_stride: u32,
+    /// Pending links that a walk can need.
+    pub stack_size: u32,
+    /// What emits, in the order of the lights.
+    pub emitters: Vec<Emitter>,
+    statistics: WorldStatistics,
+}
+
+/// Counts of a [`World`].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct WorldStatistics {
+    /// Triangles that the device holds.
+    pub triangle_count: usize,
+    /// Spheres.
+    pub sphere_count: usize,
+    /// Placements of shared meshes.
+    pub instance_count: usize,
+    /// Nodes of all trees.
+    pub node_count: usize,
+    /// Surface area cost of the top tree, in units of one primitive test.
+    pub sah_cost: f64,
+    /// Levels of the top tree and the deepest tree below it together.
+    pub tree_depth: u32,
+}
+
+/// A surface that emits, in world space.
+#[derive(Debug, Clone, Copy)]
+pub struct Emitter {
+    /// Index into the scene's materials.
+    pub material: u32,
+    /// Index in scene order.
+    pub source: u32,
+    /// Form.
+    pub shape: EmitterShape,
+}
+
+/// The form of an [`Emitter`].
+#[derive(Debug, Clone, Copy)]
+pub enum EmitterShape {
+    /// Counter-clockwise from the front.
+    Triangle([Vec3; 3]),
+    /// The outside is the front.
+    Sphere {
+        /// Centre.
+        center: Vec3,
+        /// Radius.
+        radius: f32,
+    },
+}
+
+/// A tree under construction and the primitives of its items.
+struct Tree {
+    bvh: Bvh,
+    /// Word of each item's record, or nothing for an instance.
+    records: Vec<[[u32; 4]; 3]>,
+    first_record: u32,
+}
+
+impl World {
+    /// Builds all trees of `scene`.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] if there are more primitives than a tree can address.
+    pub fn build(scene: &Scene, accel: Accel) -> Result<Self> {
+        let sources = Sources::gather(scene, accel != Accel::None);
+        let limit = crate::bvh::MAX_ITEMS;
+        if sources.count() > limit {
+            let count = sources.count();
+            return Err(Error::Limit(format!(
+                "{count} triangles and spheres exceed the {limit} that a tree addresses: \
+                 split or simplify the scene"
+            )));
+        }
+        let mut world = World { emitters: sources.emitters.clone(), ..Self::default() };
+        (world.attributes, world.attribute_base, world.attribute_stride) = sources.attributes();
+        world.statistics.triangle_count = sources.triangle_count();
+        world.statistics.sphere_count = sources.spheres.len();
+        world.statistics.instance_count = sources.instances.len();
+        if accel == Accel::None {
+            world.primitives =
+                sources.top.iter().map(|t| triangle_record(t, scene)).flatten().collect();
+            world.primitives.extend(sources.sphere_records().into_iter().flatten());
+            return Ok(world);
+        }
+        world.build_trees(scene, &sources, accel);
+        Ok(world)
+    }
+
+    /// Counts and quality.
+    pub fn statistics(&self) -> WorldStatistics {
+        self.statistics
+    }
+
+    fn build_trees(&mut self, scene: &Scene, sources: &Sources, accel: Accel) {
+        let build = |items: &[BuildItem]| match accel {
+            Accel::Median => build_median(items),
+            Accel::Bvh | Accel::None => build_sah(items),
+        };
+        let mut next_record = 0;
+        let mut below = Vec::new();
+        for mesh in &sources.shared {
+            let items: Vec<_> = mesh.iter().map(triangle_item).collect();
+            let records = mesh.iter().map(|t| triangle_record(t, scene)).collect();
+            let bvh = build(&items);
+            below.push(Tree { bvh, records, first_record: next_record });
+            next_record += mesh.len() as u32;
+        }
+        let (items, records) = top_items(scene, sources);
+        let bvh = build(&items);
+        if let Ok(statistics) = bvh.validate(&items) {
+            self.statistics.sah_cost = statistics.sah_cost;
+        }
+        let top = Tree { bvh, records, first_record: next_record };
+
+        let record_words = (1 + sources.instances.len()) * TREE_RECORD_SIZE as usize;
+        self.nodes = vec![[0; 4]; record_words];
+        let roots: Vec<u32> = below.iter().map(|t| self.append(t, &[])).collect();
+        let instance_records: Vec<u32> = (1..=sources.instances.len() as u32).collect();
+        let top_root = self.append(&top, &instance_records);
+        self.write_header(0, &top.bvh, top_root);
+        for (k, i) in sources.instances.iter().enumerate() {
+            let record = (1 + k) * TREE_RECORD_SIZE as usize;
+            self.write_header(record, &below[i.shared].bvh, roots[i.shared]);
+            self.write_rows(record + 2, i.world_from_object.inverse());
+            self.write_rows(record + 5, i.world_from_object);
+        }
+        let deepest = below.iter().map(|t| t.bvh.depth).max().unwrap_or(0);
+        self.statistics.tree_depth = top.bvh.depth + deepest;
+        self.statistics.node_count =
+            top.bvh.nodes.len() + below.iter().map(|t| t.bvh.nodes.len()).sum::<usize>();
+        // One link a level, the end mark, and the mark of the way back from an instance.
+        self.stack_size = self.statistics.tree_depth + 2;
+    }
+
+    /// Appends a tree's nodes and records; gives the link to its root. `instance_records`
+    /// numbers the records of the tree's instances, which are its last items.
+    fn append(&mut self, tree: &Tree, instance_records: &[u32]) -> u32 {
+        let base = self.nodes.len() as u32;
+        let first_instance = tree.records.len() - instance_records.len();
+        let relocate = |link: u32| {
+            if link & LEAF_BIT == 0 {
+                return base + 2 * link;
+            }
+            let first = link & crate::bvh::LEAF_FIRST_MASK;
+            let item = tree.order_at(first);
+            let first = if item >= first_instance && !instance_records.is_empty() {
+                instance_records[item - first_instance]
+            } else {
+                tree.first_record + first
+            };
+            link & !crate::bvh::LEAF_FIRST_MASK | first
+        };
+        for node in &tree.bvh.nodes {
+            for c in node.children {
+                self.nodes.push([c.x, c.y, c.z, relocate(c.link)]);
+            }
+        }
+        self.primitives.extend(tree.bvh.order.iter().flat_map(|&i| tree.records[i as usize]));
+        base
+    }
+
+    fn write_header(&mut self, at: usize, bvh: &Bvh, root: u32) {
+        let words = |v: Vec3, w: u32| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w];
+        self.nodes[at] = words(bvh.grid_min, root);
+        self.nodes[at + 1] = words(bvh.grid_scale, 0);
+    }
+
+    fn write_rows(&mut self, at: usize, m: Affine3A) {
+        let (a, t) = (m.matrix3, m.translation);
+        for (k, row) in [a.row(0), a.row(1), a.row(2)].into_iter().enumerate() {
+            self.nodes[at + k] = [row.x, row.y, row.z, t[k]].map(f32::to_bits);
+        }
+    }
+}
+
+impl Tree {
+    /// The item at a place of the leaves' order; the number of items beyond its end.
+    fn order_at(&self, place: u32) -> usize {
+        self.bvh.order.get(place as usize).map_or(self.records.len(), |&i| i as usize)
+    }
+}
+
+/// Items of the top tree: triangles, spheres, instances, in this order.
+fn top_items(scene: &Scene, sources: &Sources) -> (Vec<BuildItem>, Vec<[[u32; 4]; 3]>) {
+    let mut items: Vec<_> = sources.top.iter().map(triangle_item).collect();
+    let mut records: Vec<_> = sources.top.iter().map(|t| triangle_record(t, scene)).collect();
+    items.extend(sources.spheres.iter().map(|s| BuildItem {
+        bounds: Aabb::of_sphere(s.center, s.radius),
+        kind: PrimitiveKind::Sphere,
+    }));
+    records.extend(sources.sphere_records());
+    for i in &sources.instances {
+        let bounds = instance_bounds(&sources.shared[i.shared], i.world_from_object);
+        items.push(BuildItem { bounds, kind: PrimitiveKind::Instance });
+        records.push([[0; 4]; 3]);
+    }
+    (items, records)
+}
+
+fn triangle_item(t: &Triangle) -> BuildItem {
+    BuildItem { bounds: Aabb::of_points(&t.vertices), kind: PrimitiveKind::Triangle }
+}
+
+/// Bounds of a placed mesh, widened by the rounding of its transforms.
+fn instance_bounds(mesh: &[Triangle], world_from_object: Affine3A) -> Aabb {
+    let mut bounds = Aabb::empty();
+    for v in mesh.iter().flat_map(|t| t.vertices) {
+        bounds = bounds.grow(world_from_object.transform_point3(v));
+    }
+    let size = bounds.min.abs().max(bounds.max.abs()).max_element();
+    let margin = Vec3::splat(size * 32.0 * f32::EPSILON);
+    Aabb { min: bounds.min - margin, max: bounds.max + margin }
+}
+
+fn triangle_record(t: &Triangle, scene: &Scene) -> [[u32; 4]; 3] {
+    let opaque = scene.materials[t.material as usize].alpha_mode == crate::scene::AlphaMode::Opaque;
+    let material = t.material | if opaque { 0 } else { PRIMITIVE_HAS_ALPHA };
+    let word = |v: Vec3, w: u32| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w];
+    let [a, b, c] = t.vertices;
+    [word(a, material), word(b, t.light), word(c, t.source)]
+}

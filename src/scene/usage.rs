@@ -1,0 +1,88 @@
+//! What of a scene is used, and how its geometry is best held.
+
+use super::{Mesh, Scene, Sphere, TextureRef};
+use glam::{DVec3, Vec3};
+use std::collections::BTreeSet;
+
+/// A mesh is held once and instanced when its copies would need more triangles
+/// than this; below, copies in world space are faster to trace.
+const LEAST_SHARED_TRIANGLES: usize = 4096;
+
+/// A sphere this many times larger than the rest of the scene is traced in the anchored form.
+const VAST: f32 = 100.0;
+
+/// Where the anchored form of a sphere is exact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SphereAnchor {
+    /// The point of the sphere nearest to the rest of the scene.
+    pub point: Vec3,
+    /// Outward unit normal there.
+    pub normal: Vec3,
+}
+
+impl Scene {
+    /// For each mesh, whether its instances share one copy in object space. A mesh
+    /// that emits is never shared: its lights are in world space.
+    pub fn shared_meshes(&self) -> Vec<bool> {
+        let mut uses = vec![0_usize; self.meshes.len()];
+        for instance in &self.instances {
+            uses[instance.mesh as usize] += 1;
+        }
+        let is_shared = |(mesh, &uses): (&Mesh, &usize)| {
+            uses > 1
+                && (uses - 1) * mesh.triangles.len() > LEAST_SHARED_TRIANGLES
+                && !self.materials[mesh.material as usize].is_emissive()
+        };
+        self.meshes.iter().zip(&uses).map(is_shared).collect()
+    }
+
+    /// Materials of anything that is placed in the scene.
+    pub fn used_materials(&self) -> BTreeSet<usize> {
+        let of_meshes = self.instances.iter().map(|i| self.meshes[i.mesh as usize].material);
+        of_meshes.chain(self.spheres.iter().map(|s| s.material)).map(|m| m as usize).collect()
+    }
+
+    /// The anchor of a sphere whose radius dwarfs the rest of the scene; `None` for others.
+    pub fn anchor_of(&self, sphere: &Sphere) -> Option<SphereAnchor> {
+        let mut rest = self.extent_without_spheres();
+        let smaller = self.spheres.iter().filter(|s| s.radius * VAST < sphere.radius);
+        for s in smaller {
+            rest.push(s.center - s.radius);
+            rest.push(s.center + s.radius);
+        }
+        let low = rest.iter().copied().reduce(Vec3::min)?;
+        let high = rest.iter().copied().reduce(Vec3::max)?;
+        if sphere.radius <= VAST * low.distance(high) {
+            return None;
+        }
+        let center: DVec3 = sphere.center.as_dvec3();
+        let toward = (low.as_dvec3() + high.as_dvec3()) * 0.5 - center;
+        let normal = toward.try_normalize()?;
+        let point = center + normal * f64::from(sphere.radius);
+        Some(SphereAnchor { point: point.as_vec3(), normal: normal.as_vec3() })
+    }
+
+    /// Corners of what is not a sphere: bounds of the meshes, and the cameras.
+    fn extent_without_spheres(&self) -> Vec<Vec3> {
+        let mut points: Vec<Vec3> =
+            self.cameras.iter().map(|c| c.world_from_camera.translation.into()).collect();
+        if let Some((low, high)) = self.mesh_bounds() {
+            points.extend([low, high]);
+        }
+        points
+    }
+}
+
+impl super::Material {
+    /// The textures in use.
+    pub fn textures(&self) -> impl Iterator<Item = TextureRef> {
+        [
+            self.base_color_texture,
+            self.metallic_roughness_texture,
+            self.normal_texture,
+            self.emission_texture,
+        ]
+        .into_iter()
+        .flatten()
+    }
+}

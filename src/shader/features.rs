@@ -1,0 +1,221 @@
+//! What a scene and its settings need of the shaders. One function decides,
+//! [`Features::of`]; the names are the words behind `#if`.
+
+use crate::scene::{AlphaMode, LightKind, Material, Projection, Scene};
+use crate::settings::{Accel, RenderSettings, Sampler, Strategy};
+use std::fmt;
+
+macro_rules! features {
+    ($($(#[$doc:meta])* $variant:ident = $name:literal,)*) => {
+        /// Something that a shader contains only where it is needed.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum Feature {
+            $($(#[$doc])* $variant,)*
+        }
+
+        impl Feature {
+            /// All of them, in order.
+            pub const ALL: &[Feature] = &[$(Feature::$variant),*];
+
+            /// The word used in `#if`.
+            pub fn name(self) -> &'static str {
+                match self { $(Feature::$variant => $name),* }
+            }
+        }
+    };
+}
+
+features! {
+    /// Triangles.
+    Triangles = "TRIANGLES",
+    /// Analytic spheres.
+    Spheres = "SPHERES",
+    /// Spheres so large that they need the anchored form.
+    AnchoredSpheres = "ANCHORED_SPHERES",
+    /// Meshes placed more than once.
+    Instances = "INSTANCES",
+    /// Any per-vertex data: normals at least.
+    Attributes = "ATTRIBUTES",
+    /// Texture coordinates, colours or tangents.
+    VertexData = "VERTEX_DATA",
+    /// Images.
+    Textures = "TEXTURES",
+    /// Alpha MASK or BLEND.
+    Alpha = "ALPHA",
+    /// A rough specular lobe.
+    Ggx = "GGX",
+    /// Mirrors and smooth interfaces.
+    Delta = "DELTA",
+    /// Light passes through surfaces.
+    Transmission = "TRANSMISSION",
+    /// Emission is met by rays on surfaces.
+    LightSurfaces = "LIGHT_SURFACES",
+    /// Emissive triangles are sampled.
+    LightTriangles = "LIGHT_TRIANGLES",
+    /// Emissive spheres are sampled.
+    LightSpheres = "LIGHT_SPHERES",
+    /// Point, spot or directional lights.
+    LightPunctual = "LIGHT_PUNCTUAL",
+    /// Light from infinity.
+    Environment = "ENVIRONMENT",
+    /// Thin lens.
+    Lens = "LENS",
+    /// Orthographic camera.
+    Orthographic = "ORTHOGRAPHIC",
+    /// Lights are sampled at path vertices.
+    Nee = "NEE",
+    /// More than one light sample at a vertex.
+    ManyLightSamples = "MANY_LIGHT_SAMPLES",
+    /// Every primitive is tested, without a tree.
+    BruteForce = "BRUTE_FORCE",
+    /// Strategy `mis`.
+    Mis = "MIS",
+    /// Strategy `light`.
+    LightOnly = "LIGHT_ONLY",
+    /// Strategies `bsdf` and `hemisphere`.
+    ScatterOnly = "SCATTER_ONLY",
+    /// Strategy `hemisphere`.
+    Hemisphere = "HEMISPHERE",
+    /// Russian roulette.
+    Roulette = "ROULETTE",
+    /// Sobol points instead of independent ones.
+    Sobol = "SOBOL",
+}
+
+impl Feature {
+    /// The feature of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|f| f.name() == name)
+    }
+
+    /// Features that follow from settings and exclude others: `--features all` leaves them.
+    pub fn is_choice(self) -> bool {
+        use Feature::*;
+        matches!(
+            self,
+            BruteForce | Nee | ManyLightSamples | Mis | LightOnly | ScatterOnly | Hemisphere | Roulette | Sobol
+        )
+    }
+}
+
+/// A set of [`Feature`]s.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub struct Features(u32);
+
+impl Features {
+    /// This set and `feature`.
+    #[must_use]
+    pub fn with(self, feature: Feature) -> Self {
+        Self(self.0 | 1 << feature as u32)
+    }
+
+    /// This set, and `feature` if `needed`.
+    #[must_use]
+    pub fn with_if(self, feature: Feature, needed: bool) -> Self {
+        if needed { self.with(feature) } else { self }
+    }
+
+    /// Whether it holds `feature`.
+    pub fn has(self, feature: Feature) -> bool {
+        self.0 & 1 << feature as u32 != 0
+    }
+
+    /// Everything that a scene could need, with the settings' own features of this set.
+    #[must_use]
+    pub fn with_all_of_scenes(self) -> Self {
+        Feature::ALL.iter().fold(self, |set, &f| set.with_if(f, !f.is_choice()))
+    }
+
+    /// What `scene` needs when rendered with `settings`.
+    pub fn of(scene: &Scene, settings: &RenderSettings) -> Self {
+        let set = Self::of_settings(settings);
+        let set = set.with_geometry(scene).with_materials(scene).with_lights(scene);
+        let camera = &scene.cameras[settings.camera];
+        let set = set.with_if(Feature::Lens, camera.aperture_radius > 0.0).with_if(
+            Feature::Orthographic,
+            matches!(camera.projection, Projection::Orthographic { .. }),
+        );
+        if settings.all_features { set.with_all_of_scenes() } else { set }
+    }
+
+    fn of_settings(settings: &RenderSettings) -> Self {
+        let strategy = settings.strategy;
+        let nee = matches!(strategy, Strategy::Light | Strategy::Mis);
+        Self::default()
+            .with_if(Feature::Nee, nee)
+            .with_if(Feature::ManyLightSamples, nee && settings.light_samples > 1)
+            .with_if(Feature::Mis, strategy == Strategy::Mis)
+            .with_if(Feature::LightOnly, strategy == Strategy::Light)
+            .with_if(Feature::ScatterOnly, !nee)
+            .with_if(Feature::Hemisphere, strategy == Strategy::Hemisphere)
+            .with_if(Feature::BruteForce, settings.accel == Accel::None)
+            .with_if(Feature::Roulette, settings.roulette)
+            .with_if(Feature::Sobol, settings.sampler == Sampler::Sobol)
+    }
+
+    fn with_geometry(self, scene: &Scene) -> Self {
+        let placed = || scene.instances.iter().map(|i| &scene.meshes[i.mesh as usize]);
+        let has_data = |m: &crate::scene::Mesh| {
+            !m.uvs[0].is_empty() || !m.uvs[1].is_empty() || !m.colors.is_empty()
+        };
+        self.with_if(Feature::Triangles, placed().next().is_some())
+            .with_if(Feature::Spheres, !scene.spheres.is_empty())
+            .with_if(Feature::AnchoredSpheres, scene.spheres.iter().any(|s| scene.anchor_of(s).is_some()))
+            .with_if(Feature::Instances, scene.shared_meshes().contains(&true))
+            .with_if(
+                Feature::Attributes,
+                placed().any(|m| !m.normals.is_empty() || has_data(m)),
+            )
+            .with_if(Feature::VertexData, placed().any(has_data))
+    }
+
+    fn with_materials(self, scene: &Scene) -> Self {
+        let used = scene.used_materials();
+        let any = |f: &dyn Fn(&Material) -> bool| used.iter().any(|&m| f(&scene.materials[m]));
+        let is_specular = |m: &Material| m.metallic > 0.0 || m.specular > 0.0;
+        // A texture can bring the roughness of any texel down to 0.
+        let is_smooth = |m: &Material| {
+            m.roughness * m.roughness < 1e-3 || m.metallic_roughness_texture.is_some()
+        };
+        self.with_if(Feature::Alpha, any(&|m| m.alpha_mode != AlphaMode::Opaque))
+            .with_if(Feature::Textures, any(&|m| m.textures().next().is_some()))
+            .with_if(
+                Feature::Ggx,
+                any(&|m| {
+                    is_specular(m) && m.roughness * m.roughness >= 1e-3 && m.transmission == 0.0
+                }),
+            )
+            .with_if(
+                Feature::Delta,
+                any(&|m| m.transmission > 0.0 || (is_specular(m) && is_smooth(m))),
+            )
+            .with_if(Feature::Transmission, any(&|m| m.transmission > 0.0))
+    }
+
+    fn with_lights(self, scene: &Scene) -> Self {
+        let emits = |m: u32| scene.materials[m as usize].is_emissive();
+        let spheres = scene.spheres.iter().any(|s| emits(s.material));
+        let triangles =
+            scene.instances.iter().any(|i| emits(scene.meshes[i.mesh as usize].material));
+        let nee = self.has(Feature::Nee);
+        let is_punctual = |k: &LightKind| {
+            matches!(k, LightKind::Point { .. } | LightKind::Spot { .. } | LightKind::Directional { .. })
+        };
+        self.with_if(Feature::LightSurfaces, spheres || triangles)
+            .with_if(Feature::LightTriangles, triangles)
+            .with_if(Feature::LightSpheres, spheres)
+            .with_if(
+                Feature::LightPunctual,
+                nee && scene.lights.iter().any(|l| is_punctual(&l.kind)),
+            )
+            .with_if(Feature::Environment, scene.environment.is_some())
+    }
+}
+
+impl fmt::Display for Features {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<_> =
+            Feature::ALL.iter().filter(|x| self.has(**x)).map(|x| x.name()).collect();
+        f.write_str(&names.join(" "))
+    }
+}

@@ -1,0 +1,158 @@
+//! `#import generated`: numbers that both languages use, written once, here.
+
+use crate::bvh;
+use std::fmt::Write;
+
+/// Threads in a workgroup: a tile of 8 by 8 pixels.
+pub const WORKGROUP_SIZE: u32 = 64;
+/// No index.
+pub const INVALID: u32 = u32::MAX;
+/// In place of a density: the direction has none.
+pub const PDF_DELTA: f32 = -1.0;
+/// Scattering events after which a path counts as a fault.
+pub const PATH_LENGTH_LIMIT: u32 = 4096;
+/// `vec4`s of an instance's record in the node buffer.
+pub const TREE_RECORD_SIZE: u32 = 8;
+
+/// Bit of a primitive's material word: its alpha must be tested.
+pub const PRIMITIVE_HAS_ALPHA: u32 = 1 << 31;
+
+/// Bits of a primitive's attributes.
+pub mod attribute {
+    /// Shading normals.
+    pub const NORMAL: u32 = 1;
+    /// Texture coordinates.
+    pub const UV: u32 = 2;
+    /// Vertex colours.
+    pub const COLOR: u32 = 4;
+    /// Tangents.
+    pub const TANGENT: u32 = 8;
+}
+
+/// Bits of a material.
+pub mod material {
+    /// Emits from both sides.
+    pub const DOUBLE_SIDED: u32 = 1;
+    /// Encloses a volume: light refracts.
+    pub const VOLUME: u32 = 2;
+}
+
+/// Kinds of light.
+pub mod light {
+    /// Emissive triangle.
+    pub const TRIANGLE: u32 = 0;
+    /// Emissive sphere.
+    pub const SPHERE: u32 = 1;
+    /// Point light.
+    pub const POINT: u32 = 2;
+    /// Spot light.
+    pub const SPOT: u32 = 3;
+    /// Directional light.
+    pub const DIRECTIONAL: u32 = 4;
+    /// The environment.
+    pub const ENVIRONMENT: u32 = 5;
+}
+
+/// Bits of a texture.
+pub mod texture {
+    /// Colour channels are sRGB encoded.
+    pub const SRGB: u32 = 1;
+    /// Uses the second set of texture coordinates.
+    pub const UV_SET: u32 = 2;
+    /// No filtering.
+    pub const NEAREST: u32 = 4;
+    /// Where the two bits of the wrap mode along u begin.
+    pub const WRAP_U_SHIFT: u32 = 4;
+    /// Where the two bits of the wrap mode along v begin.
+    pub const WRAP_V_SHIFT: u32 = 6;
+    /// Wrap mode: repeat.
+    pub const WRAP_REPEAT: u32 = 0;
+    /// Wrap mode: mirrored repeat.
+    pub const WRAP_MIRROR: u32 = 1;
+    /// Wrap mode: clamp to edge.
+    pub const WRAP_CLAMP: u32 = 2;
+}
+
+/// Causes of faults: each is an 8-bit count of samples in the film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    /// A sample was not finite.
+    NonFinite = 0,
+    /// A sample was negative.
+    Negative = 1,
+    /// A loop ended before its work was done.
+    LoopBound = 2,
+    /// The traversal stack was full.
+    Stack = 3,
+}
+
+impl Fault {
+    /// All causes in the order of their counts.
+    pub const ALL: [Fault; 4] =
+        [Fault::NonFinite, Fault::Negative, Fault::LoopBound, Fault::Stack];
+
+    /// What it means, for messages.
+    pub fn description(self) -> &'static str {
+        match self {
+            Fault::NonFinite => "not finite",
+            Fault::Negative => "negative",
+            Fault::LoopBound => "cut off by a loop's bound",
+            Fault::Stack => "traversal stack overflow",
+        }
+    }
+}
+
+/// The module's text. `stack_size`: pending links that traversal can hold.
+pub fn wgsl(stack_size: u32) -> String {
+    let mut text = String::new();
+    let unsigned = [
+        ("WORKGROUP_SIZE", WORKGROUP_SIZE),
+        ("INVALID", INVALID),
+        ("PATH_LENGTH_LIMIT", PATH_LENGTH_LIMIT),
+        ("TREE_RECORD_SIZE", TREE_RECORD_SIZE),
+        ("BVH_STACK_SIZE", stack_size),
+        ("BVH_STACK_TOTAL", stack_size * WORKGROUP_SIZE),
+        ("LINK_LEAF", bvh::LEAF_BIT),
+        ("LINK_KIND_MASK", bvh::LEAF_KIND_MASK << bvh::LEAF_KIND_SHIFT),
+        ("LINK_KIND_TRIANGLE", (bvh::PrimitiveKind::Triangle as u32) << bvh::LEAF_KIND_SHIFT),
+        ("LINK_KIND_SPHERE", (bvh::PrimitiveKind::Sphere as u32) << bvh::LEAF_KIND_SHIFT),
+        ("LINK_KIND_INSTANCE", (bvh::PrimitiveKind::Instance as u32) << bvh::LEAF_KIND_SHIFT),
+        ("LINK_COUNT_SHIFT", bvh::LEAF_COUNT_SHIFT),
+        ("LINK_COUNT_MASK", bvh::LEAF_COUNT_MASK),
+        ("LINK_FIRST_MASK", bvh::LEAF_FIRST_MASK),
+        ("PRIMITIVE_HAS_ALPHA", PRIMITIVE_HAS_ALPHA),
+        ("ATTRIBUTE_NORMAL", attribute::NORMAL),
+        ("ATTRIBUTE_UV", attribute::UV),
+        ("ATTRIBUTE_COLOR", attribute::COLOR),
+        ("ATTRIBUTE_TANGENT", attribute::TANGENT),
+        ("MATERIAL_DOUBLE_SIDED", material::DOUBLE_SIDED),
+        ("MATERIAL_VOLUME", material::VOLUME),
+        ("LIGHT_TRIANGLE", light::TRIANGLE),
+        ("LIGHT_SPHERE", light::SPHERE),
+        ("LIGHT_POINT", light::POINT),
+        ("LIGHT_SPOT", light::SPOT),
+        ("LIGHT_DIRECTIONAL", light::DIRECTIONAL),
+        ("LIGHT_ENVIRONMENT", light::ENVIRONMENT),
+        ("TEXTURE_SRGB", texture::SRGB),
+        ("TEXTURE_UV_SET", texture::UV_SET),
+        ("TEXTURE_NEAREST", texture::NEAREST),
+        ("TEXTURE_WRAP_U_SHIFT", texture::WRAP_U_SHIFT),
+        ("TEXTURE_WRAP_V_SHIFT", texture::WRAP_V_SHIFT),
+        ("TEXTURE_WRAP_MIRROR", texture::WRAP_MIRROR),
+        ("TEXTURE_WRAP_CLAMP", texture::WRAP_CLAMP),
+        ("FAULT_NON_FINITE", Fault::NonFinite as u32),
+        ("FAULT_NEGATIVE", Fault::Negative as u32),
+        ("FAULT_LOOP_BOUND", Fault::LoopBound as u32),
+        ("FAULT_STACK", Fault::Stack as u32),
+    ];
+    for (name, value) in unsigned {
+        writeln!(text, "const {name}: u32 = {value}u;").unwrap();
+    }
+    writeln!(text, "const BOX_ERROR: f32 = {:?};", bvh::BOX_ERROR).unwrap();
+    writeln!(text, "const GRID_MAX: f32 = {:?};", bvh::GRID_MAX as f32).unwrap();
+    writeln!(text, "const MIN_DIRECTION: f32 = {:?};", bvh::MIN_DIRECTION).unwrap();
+    writeln!(text, "const PDF_DELTA: f32 = {PDF_DELTA:?};").unwrap();
+    writeln!(text, "const ONE_BELOW: f32 = {:?};", 1.0_f32.next_down()).unwrap();
+    text.push_str(&super::sobol::wgsl());
+    text
+}

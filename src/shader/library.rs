@@ -1,0 +1,91 @@
+//! The WGSL files of the program.
+
+use std::collections::BTreeMap;
+
+/// WGSL texts by path within `shaders/`, without the ending.
+pub type Library = BTreeMap<&'static str, &'static str>;
+
+macro_rules! files {
+    ($($path:literal),* $(,)?) => {
+        [$(($path, include_str!(concat!("../../shaders/", $path, ".wgsl")))),*]
+    };
+}
+
+/// The files compiled into the program. A path without a folder is an entry;
+/// all others are modules.
+pub fn library() -> Library {
+    Library::from(files![
+        "bsdf/bsdf",
+        "bsdf/dielectric",
+        "bsdf/fresnel",
+        "bsdf/ggx",
+        "bsdf/lambert",
+        "bsdf/scatter",
+        "bsdf/smooth",
+        "bsdf/smooth_hemisphere",
+        "camera/camera",
+        "film/fault",
+        "film/film",
+        "frame/frame",
+        "geometry/attributes",
+        "geometry/brute_force",
+        "geometry/bvh",
+        "geometry/leaf",
+        "geometry/primitive",
+        "geometry/ray",
+        "geometry/slab",
+        "geometry/sphere",
+        "geometry/surface",
+        "geometry/surface_sphere",
+        "geometry/surface_triangle",
+        "geometry/triangle",
+        "light/direct",
+        "light/environment",
+        "light/light",
+        "light/punctual",
+        "light/sphere",
+        "light/triangle",
+        "material/alpha",
+        "material/material",
+        "material/normal_map",
+        "material/texture",
+        "math/math",
+        "path_trace",
+        "sample/pcg",
+        "sample/sampler",
+        "sample/sampler_independent",
+        "sample/sampler_sobol",
+        "sample/sobol",
+        "sample/warp",
+        "strategy/light",
+        "strategy/mis",
+        "strategy/scatter",
+    ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn walk(folder: &Path, prefix: &str, found: &mut Vec<String>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+            if path.is_dir() {
+                walk(&path, &format!("{prefix}{name}/"), found);
+            } else {
+                found.push(format!("{prefix}{name}"));
+            }
+        }
+    }
+
+    #[test]
+    fn lists_every_file_of_the_folder() {
+        let mut found = Vec::new();
+        walk(&Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders"), "", &mut found);
+        found.sort();
+        let listed: Vec<String> = library().keys().map(|k| k.to_string()).collect();
+        assert_eq!(found, listed);
+    }
+}

@@ -1,0 +1,145 @@
+//! Every shader for every set of features that can occur: composes, and
+//! validates with naga. Needs no device.
+
+use steradian::gpu::validate;
+use steradian::shader::{Feature, Features, compose, generated, library};
+
+/// Storage buffers that every device can bind in one stage.
+const MOST_STORAGE_BUFFERS: usize = 8;
+
+/// `set` with what its members cannot occur without.
+fn with_implied(mut set: Features) -> Features {
+    use Feature::*;
+    let implied = [
+        (Textures, VertexData),
+        (VertexData, Attributes),
+        (Attributes, Triangles),
+        (Instances, Triangles),
+        (LightTriangles, Triangles),
+        (AnchoredSpheres, Spheres),
+        (LightSpheres, Spheres),
+        (LightTriangles, LightSurfaces),
+        (LightSpheres, LightSurfaces),
+        (Transmission, Delta),
+        (LightPunctual, Nee),
+        (ManyLightSamples, Nee),
+        (Hemisphere, ScatterOnly),
+    ];
+    for _ in 0..4 {
+        for (feature, needs) in implied {
+            set = set.with_if(needs, set.has(feature));
+        }
+    }
+    // Something is traced, lights on surfaces are of some kind, and one strategy is chosen.
+    set = set.with_if(Triangles, !set.has(Spheres));
+    let lit = set.has(LightTriangles) || set.has(LightSpheres);
+    set = set.with_if(LightTriangles, set.has(LightSurfaces) && !lit && set.has(Triangles));
+    set = set.with_if(LightSpheres, set.has(LightSurfaces) && !lit && set.has(Spheres));
+    let chosen = set.has(Mis) || set.has(LightOnly) || set.has(ScatterOnly);
+    set = set.with_if(Mis, set.has(Nee) && !chosen).with_if(ScatterOnly, !set.has(Nee) && !chosen);
+    set.with_if(Nee, set.has(Mis) || set.has(LightOnly))
+}
+
+/// Whether the set holds two strategies.
+fn is_contradictory(set: Features) -> bool {
+    use Feature::*;
+    [Mis, LightOnly, ScatterOnly].iter().filter(|f| set.has(**f)).count() > 1
+        || (set.has(BruteForce) && set.has(Instances))
+}
+
+fn feature_sets() -> Vec<Features> {
+    let none = Features::default();
+    let mut sets = vec![none];
+    for &a in Feature::ALL {
+        for &b in Feature::ALL {
+            sets.push(none.with(a).with(b));
+        }
+    }
+    let scene = none.with_all_of_scenes();
+    for strategy in [Feature::Mis, Feature::LightOnly, Feature::ScatterOnly, Feature::Hemisphere] {
+        let set = scene.with(strategy);
+        sets.push(set);
+        sets.push(set.with(Feature::Sobol).with(Feature::Roulette));
+        sets.push(set.with_if(Feature::ManyLightSamples, strategy != Feature::Hemisphere));
+    }
+    let sets = sets.into_iter().map(with_implied).filter(|s| !is_contradictory(*s));
+    let mut unique = Vec::new();
+    for set in sets {
+        if !unique.contains(&set) {
+            unique.push(set);
+        }
+    }
+    unique
+}
+
+#[test]
+fn every_entry_composes_and_validates_for_every_feature_set() {
+    let library = library();
+    let entries: Vec<_> = library.keys().filter(|k| !k.contains('/')).collect();
+    assert!(!entries.is_empty());
+    let generated = generated::wgsl(32);
+    let sets = feature_sets();
+    assert!(sets.len() > 200, "{} sets", sets.len());
+    let mut failures = Vec::new();
+    for entry in entries {
+        for &set in &sets {
+            let checked = compose(&library, entry, set, &generated)
+                .and_then(|composed| validate(entry, &composed));
+            match checked {
+                Err(e) => failures.push(format!("[{set}] {e}")),
+                Ok(module) => {
+                    let storage = module
+                        .global_variables
+                        .iter()
+                        .filter(|(_, v)| matches!(v.space, naga::AddressSpace::Storage { .. }))
+                        .count();
+                    if storage > MOST_STORAGE_BUFFERS {
+                        failures.push(format!("[{set}] {entry}: {storage} storage buffers"));
+                    }
+                    let entry_points = module.entry_points.len();
+                    if entry_points != 1 || module.entry_points[0].name != "main" {
+                        failures.push(format!("[{set}] {entry}: {entry_points} entry points"));
+                    }
+                }
+            }
+        }
+    }
+    let count = failures.len();
+    failures.truncate(5);
+    assert!(failures.is_empty(), "{count} failures:\n{}", failures.join("\n"));
+}
+
+#[test]
+fn modules_have_no_entry_point() {
+    for (path, text) in library().into_iter().filter(|(path, _)| path.contains('/')) {
+        assert!(!text.contains("@compute"), "{path}.wgsl");
+    }
+}
+
+/// Text import has no namespaces: a function belongs to the module that its name begins with.
+#[test]
+fn no_name_is_defined_by_two_modules_that_can_meet() {
+    use std::collections::BTreeMap;
+    let alternatives = [
+        ["bsdf/smooth", "bsdf/smooth_hemisphere"],
+        ["geometry/bvh", "geometry/brute_force"],
+        ["sample/sampler_sobol", "sample/sampler_independent"],
+        ["strategy/mis", "strategy/light"],
+        ["strategy/mis", "strategy/scatter"],
+        ["strategy/light", "strategy/scatter"],
+    ];
+    let mut owners: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for (path, text) in library() {
+        for line in text.lines().filter_map(|l| l.strip_prefix("fn ")) {
+            owners.entry(line.split('(').next().unwrap()).or_default().push(path);
+        }
+    }
+    for (name, paths) in owners {
+        for (i, a) in paths.iter().enumerate() {
+            for b in &paths[i + 1..] {
+                let is_allowed = alternatives.iter().any(|p| p.contains(a) && p.contains(b));
+                assert!(is_allowed, "{name} is defined in {a} and {b}");
+            }
+        }
+    }
+}
