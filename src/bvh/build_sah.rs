@@ -144,10 +144,12 @@ impl SplitRule for SurfaceArea {
         leaf_size: usize,
     ) -> Option<usize> {
         let count = references.len();
-        let best = match count {
-            ..=SHORT_RANGE => Self::best_split::<4>(references, extent),
-            ..=MIDDLING_RANGE => Self::best_split::<8>(references, extent),
-            _ => Self::best_split::<16>(references, extent),
+        let best = if count <= SHORT_RANGE {
+            Self::best_split::<4>(references, extent)
+        } else if count <= MIDDLING_RANGE {
+            Self::best_split::<8>(references, extent)
+        } else {
+            Self::best_split::<16>(references, extent)
         };
         let area = half_area(extent.max - extent.min);
         // Boxes without area, and boxes whose area is not a number that f32 holds,

@@ -163,8 +163,8 @@ fn scaling_by_a_power_of_two_changes_no_bit() {
     assert!((5_000..20_000).contains(&hits), "{hits} hits: about half expected");
 }
 
-/// The 12 triangles of the cube from -1 to 1, with `extra` points on each edge of
-/// the cube joined to its ends by a triangle without area.
+/// The 12 triangles of the cube from -1 to 1; `with_flat_triangles` also one without
+/// area on each edge, of its ends and its middle.
 fn cube(with_flat_triangles: bool) -> ClosedMesh {
     let mut positions: Vec<Vec3> = (0..8)
         .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0)
@@ -204,8 +204,8 @@ fn triangles_without_area_are_missed_and_open_no_gap() {
     }
 }
 
-/// Strips of a million to one: each face of the box is cut into ten of them next
-/// to one wide remainder.
+/// Strips of a million to one: each face of a box has ten of them beside one wide
+/// remainder.
 #[test]
 fn needles_of_a_closed_box_never_leak() {
     let mut positions = Vec::new();
