@@ -1,0 +1,90 @@
+//! Where files will go, checked before any time is spent on making them.
+
+use std::io::{Error as IoError, ErrorKind};
+use std::path::{Path, PathBuf};
+use steradian::image::{BitDepth, OutputFormat};
+use steradian::{Error, Result};
+
+use super::flags::RenderFlags;
+
+/// The picture to write.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Picture {
+    /// Final name.
+    pub(super) path: PathBuf,
+    /// By the ending of the name.
+    pub(super) format: OutputFormat,
+    /// For PNG.
+    pub(super) depth: BitDepth,
+    /// For PNG, stops.
+    pub(super) exposure_ev: f32,
+}
+
+/// All files of a render.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Destinations {
+    /// None where one pixel is printed.
+    pub(super) picture: Option<Picture>,
+    /// Statistics.
+    pub(super) stats: Option<PathBuf>,
+}
+
+impl Destinations {
+    /// Checks names, endings and folders.
+    pub(super) fn check(flags: &RenderFlags) -> Result<Self> {
+        let picture = flags.output.as_deref().map(|path| picture(path, flags)).transpose()?;
+        let is_png = picture.as_ref().is_some_and(|p| p.format == OutputFormat::Png);
+        if !is_png && (flags.picture.bits.is_some() || flags.picture.exposure.is_some()) {
+            let message =
+                "--bits and --exposure are for PNG; other output has linear 32-bit floats";
+            return Err(Error::Settings(message.into()));
+        }
+        if let Some(stats) = &flags.stats {
+            if Some(stats) == flags.output.as_ref() {
+                let message =
+                    format!("{}: --output and --stats name the same file", stats.display());
+                return Err(Error::Settings(message));
+            }
+            check_place(stats)?;
+        }
+        Ok(Self { picture, stats: flags.stats.clone() })
+    }
+}
+
+fn picture(path: &Path, flags: &RenderFlags) -> Result<Picture> {
+    let format = OutputFormat::from_path(path)?;
+    check_place(path)?;
+    let depth = match flags.picture.bits.as_deref() {
+        Some("16") => BitDepth::Sixteen,
+        _ => BitDepth::Eight,
+    };
+    let exposure_ev = flags.picture.exposure.unwrap_or(0.0);
+    Ok(Picture { path: path.to_owned(), format, depth, exposure_ev })
+}
+
+/// That a file can be made at `path`: its folder is there and lets a file be
+/// created, which alone tells of permissions, read-only disks and full ones.
+fn check_place(path: &Path) -> Result<()> {
+    let failure =
+        |path: &Path, kind, reason: &str| Err(Error::io(path, IoError::new(kind, reason)));
+    if path.is_dir() {
+        return failure(path, ErrorKind::IsADirectory, "is a folder; name a file in it");
+    }
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    if !folder.is_dir() {
+        return failure(folder, ErrorKind::NotFound, "no such folder; create it first");
+    }
+    match tempfile::Builder::new().prefix(".steradian-").suffix(".part").tempfile_in(folder) {
+        Ok(_) => Ok(()),
+        Err(e) => failure(folder, e.kind(), &format!("cannot be written into: {}", reason(&e))),
+    }
+}
+
+/// The system's reason without the temporary file's name.
+fn reason(error: &IoError) -> String {
+    let text = error.to_string();
+    text.split(" at path ").next().unwrap_or(&text).to_owned()
+}

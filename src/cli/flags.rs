@@ -1,0 +1,205 @@
+//! The flags as they are spelt. [`super::job`] gives them their meaning.
+
+use super::talk::Verbosity;
+use super::values;
+use clap::Args;
+use glam::Vec3;
+use std::path::PathBuf;
+use std::time::Duration;
+use steradian::settings::{Accel, Crop, Sampler, Strategy};
+
+/// Flags of `render`.
+#[derive(Debug, Args)]
+#[command(override_usage = "steradian render [OPTIONS] <SCENE> --output <FILE>\n       \
+    steradian render [OPTIONS] <SCENE> --pixel <x,y>")]
+pub(super) struct RenderFlags {
+    /// The scene: a .gltf or .glb file
+    pub(super) scene: PathBuf,
+
+    /// The picture: .png (what a display shows) or .exr (linear radiance, 32-bit floats)
+    #[arg(short, long, value_name = "FILE", required_unless_present = "pixel")]
+    pub(super) output: Option<PathBuf>,
+
+    /// Statistics of the render as JSON
+    #[arg(long, value_name = "FILE")]
+    pub(super) stats: Option<PathBuf>,
+
+    /// Name or index of the device (see `steradian devices`)
+    #[arg(long, value_name = "NAME|INDEX", env = "STERADIAN_DEVICE")]
+    pub(super) device: Option<String>,
+
+    /// Processor threads that load images and build trees; all by default
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
+
+    /// Refuse a scene with anything that is approximated or ignored
+    #[arg(long)]
+    pub(super) strict: bool,
+
+    /// Say how it was done: device, features, trees, times
+    #[arg(short, long, conflicts_with = "quiet")]
+    verbose: bool,
+
+    /// Say nothing but errors and warnings
+    #[arg(short, long)]
+    quiet: bool,
+
+    #[command(flatten)]
+    pub(super) picture: PictureFlags,
+
+    #[command(flatten)]
+    pub(super) sampling: SamplingFlags,
+
+    #[command(flatten)]
+    pub(super) camera: CameraFlags,
+
+    #[command(flatten)]
+    pub(super) environment: EnvironmentFlags,
+}
+
+/// Size and form of the picture.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Picture")]
+pub(super) struct PictureFlags {
+    /// Size in pixels; 512 rows in the camera's aspect ratio by default
+    #[arg(long, value_name = "WxH", value_parser = values::resolution)]
+    pub(super) resolution: Option<(u32, u32)>,
+
+    /// Multiplies width and height
+    #[arg(long, value_name = "F", value_parser = values::positive)]
+    pub(super) scale: Option<f32>,
+
+    /// Render only this rectangle, in pixels from the upper left corner
+    #[arg(long, value_name = "x,y,w,h", value_parser = values::crop, conflicts_with = "pixel")]
+    pub(super) crop: Option<Crop>,
+
+    /// Render one pixel; print its radiance, sample count and standard error
+    #[arg(long, value_name = "x,y", value_parser = values::pixel)]
+    pub(super) pixel: Option<Crop>,
+
+    /// Bits of a colour component of a PNG: 8 (default) or 16
+    #[arg(long, value_name = "8|16", value_parser = ["8", "16"])]
+    pub(super) bits: Option<String>,
+
+    /// Exposure of a PNG in stops: radiance is multiplied by 2 to this power
+    #[arg(long, value_name = "EV", value_parser = values::finite, allow_negative_numbers = true)]
+    pub(super) exposure: Option<f32>,
+}
+
+/// How light is sampled.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Sampling")]
+pub(super) struct SamplingFlags {
+    /// Samples per pixel; 64 unless --time is given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(super) spp: Option<u32>,
+
+    /// Stop after this time, such as 30s, 1.5m or 2h; with --spp, whichever comes first
+    #[arg(long, value_name = "TIME", value_parser = values::duration)]
+    pub(super) time: Option<Duration>,
+
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) seed: u32,
+
+    /// Estimator of scattered light
+    #[arg(long, value_parser = values::one_of(values::STRATEGIES), default_value = "mis")]
+    pub(super) strategy: Strategy,
+
+    /// Light samples at each path vertex
+    #[arg(long, value_name = "L", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(super) light_samples: u32,
+
+    /// Scattering events on a path: 0 emission alone, 1 direct light; no limit by default
+    #[arg(long, value_name = "N")]
+    pub(super) max_bounces: Option<u32>,
+
+    /// Keep only light that was scattered exactly so often
+    #[arg(long, value_name = "K")]
+    pub(super) only_bounce: Option<u32>,
+
+    /// Do not end dim paths at random
+    #[arg(long)]
+    pub(super) no_roulette: bool,
+
+    /// Source of random numbers
+    #[arg(long, value_parser = values::one_of(values::SAMPLERS), default_value = "sobol")]
+    pub(super) sampler: Sampler,
+
+    /// Samples in a block, a power of two: part of what defines the picture's bits.
+    /// By default at most a quarter of the samples, and at most 16
+    #[arg(long, value_name = "N", value_parser = values::block_size)]
+    pub(super) block: Option<u32>,
+
+    /// Acceleration structure
+    #[arg(long, value_parser = values::one_of(values::ACCELS), default_value = "bvh")]
+    pub(super) accel: Accel,
+
+    /// Compile what the scene needs (default), or everything
+    #[arg(long, value_name = "needed|all", value_parser = ["needed", "all"])]
+    pub(super) features: Option<String>,
+}
+
+/// The camera.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Camera")]
+pub(super) struct CameraFlags {
+    /// Name or index of the camera; the first by default
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub(super) camera: Option<String>,
+
+    /// Radius of the lens in metres; 0 is a pinhole
+    #[arg(long, value_name = "RADIUS", value_parser = values::not_negative)]
+    pub(super) aperture: Option<f32>,
+
+    /// Distance of the plane in focus in metres
+    #[arg(long, value_name = "DISTANCE", value_parser = values::positive)]
+    pub(super) focus: Option<f32>,
+}
+
+/// Light from infinity.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Environment")]
+pub(super) struct EnvironmentFlags {
+    /// Equirectangular map, .hdr or .exr, in place of the scene's environment
+    #[arg(long, value_name = "FILE", conflicts_with = "environment_radiance")]
+    pub(super) environment: Option<PathBuf>,
+
+    /// The same radiance from everywhere, in place of the scene's environment
+    #[arg(long, value_name = "R[,G,B]", value_parser = values::radiance)]
+    pub(super) environment_radiance: Option<Vec3>,
+
+    /// Turn of the environment about +Y in degrees, counter-clockwise seen from above
+    #[arg(long, value_name = "DEG", value_parser = values::finite, allow_negative_numbers = true)]
+    pub(super) environment_rotation: Option<f32>,
+
+    /// Multiplies the environment's radiance
+    #[arg(long, value_name = "F", value_parser = values::not_negative)]
+    pub(super) environment_intensity: Option<f32>,
+}
+
+/// Flags of `info`.
+#[derive(Debug, Args)]
+pub(super) struct InfoFlags {
+    /// The scene: a .gltf or .glb file
+    pub(super) scene: PathBuf,
+
+    /// Name or index of the device whose limits are compared with; all by default
+    #[arg(long, value_name = "NAME|INDEX", env = "STERADIAN_DEVICE")]
+    pub(super) device: Option<String>,
+
+    /// Refuse a scene with anything that is approximated or ignored
+    #[arg(long)]
+    pub(super) strict: bool,
+}
+
+impl RenderFlags {
+    /// How much is said.
+    pub(super) fn verbosity(&self) -> Verbosity {
+        match (self.quiet, self.verbose) {
+            (true, _) => Verbosity::Quiet,
+            (false, false) => Verbosity::Normal,
+            (false, true) => Verbosity::Verbose,
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! The command line: raw flags become checked settings once, the library does
+//! the work. What was asked for goes to standard output, all else to standard error.
+
+mod destination;
+mod devices;
+mod flags;
+mod info;
+mod job;
+mod output;
+mod progress;
+mod render;
+mod report;
+mod signals;
+mod stats;
+pub(crate) mod talk;
+mod values;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+use steradian::Result;
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 done, 1 failed, 2 bad command line, 3 scene unusable, 4 no usable device, \
+75 temporary failure, 130 or 143 stopped by a signal after the partial picture was written.";
+
+/// A physically based path tracer for glTF 2.0, on GPUs and on software Vulkan.
+#[derive(Debug, Parser)]
+#[command(name = "steradian", version, after_help = EXIT_CODES)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Render a picture of a scene
+    Render(Box<flags::RenderFlags>),
+    /// Say what is in a scene, and what of it is honoured, approximated or ignored
+    Info(flags::InfoFlags),
+    /// List the devices that can render
+    Devices,
+}
+
+/// Does what the arguments ask for.
+pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
+    match &arguments.command {
+        Command::Render(flags) => render::run(flags),
+        Command::Info(flags) => info::run(flags),
+        Command::Devices => devices::run(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_flags_do_not_contradict_each_other() {
+        Arguments::command().debug_assert();
+    }
+}

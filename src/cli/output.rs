@@ -1,0 +1,95 @@
+//! The picture in a file, or one pixel as text.
+
+use super::destination::Picture;
+use super::report::Outcome;
+use super::talk;
+use super::values::{ACCELS, SAMPLERS, STRATEGIES, word_for};
+use std::fmt::Write;
+use steradian::Result;
+use steradian::film::Film;
+use steradian::image::{
+    Attribute, ChannelData, ExrImage, Layer, OutputFormat, PngOptions, Precision, write_exr,
+    write_png,
+};
+
+/// Writes the film's picture and what made it.
+pub(super) fn write(picture: &Picture, outcome: &Outcome) -> Result<()> {
+    let metadata = metadata(outcome);
+    match picture.format {
+        OutputFormat::Png => {
+            let text = metadata.into_iter().map(|(name, value)| (name, as_text(value))).collect();
+            let options =
+                PngOptions { depth: picture.depth, exposure_ev: picture.exposure_ev, text };
+            write_png(&picture.path, &outcome.film.picture(), &options)
+        }
+        OutputFormat::Exr => {
+            let film = outcome.film;
+            let resolution = outcome.job.settings.resolution;
+            let mut image = ExrImage::from_crop(&film.picture(), resolution, film.window());
+            image.layers.push(noise_layer(film));
+            image.metadata = metadata.into_iter().collect();
+            write_exr(&picture.path, &image, Precision::Float)
+        }
+    }
+}
+
+/// Sample counts, and where it is known the standard error of the luminance.
+fn noise_layer(film: &Film) -> Layer {
+    let mut channels = vec![("samples".into(), ChannelData::U32(film.sample_counts().to_vec()))];
+    if let Some(error) = film.standard_error() {
+        channels.push(("standard_error".into(), ChannelData::F32(error)));
+    }
+    Layer { name: "noise".into(), channels }
+}
+
+/// What the picture follows from. Nothing in it differs between two runs of the
+/// same render, so that their files are equal.
+fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
+    let settings = &outcome.job.settings;
+    let number = |value: u32| Attribute::Number(value.into());
+    let text = |value: &str| Attribute::Text(value.into());
+    let limit = |value: Option<u32>| value.map_or(text("none"), number);
+    let entries = [
+        ("version", text(env!("CARGO_PKG_VERSION"))),
+        ("scene", text(&outcome.job.scene.name)),
+        ("device", text(&outcome.device.name)),
+        ("driver", text(&outcome.device.driver)),
+        ("spp", number(outcome.film.least_samples())),
+        ("block", number(settings.block_size)),
+        ("seed", number(settings.seed)),
+        ("strategy", text(word_for(STRATEGIES, &settings.strategy))),
+        ("sampler", text(word_for(SAMPLERS, &settings.sampler))),
+        ("accel", text(word_for(ACCELS, &settings.accel))),
+        ("light_samples", number(settings.light_samples)),
+        ("max_bounces", limit(settings.max_bounces)),
+        ("only_bounce", limit(settings.only_bounce)),
+        ("roulette", text(if settings.roulette { "true" } else { "false" })),
+        ("camera", text(&outcome.job.scene.cameras[settings.camera].name)),
+        ("partial", text(if outcome.is_partial() { "true" } else { "false" })),
+    ];
+    entries.into_iter().map(|(name, value)| (format!("steradian.{name}"), value)).collect()
+}
+
+fn as_text(value: Attribute) -> String {
+    match value {
+        Attribute::Text(text) => text,
+        Attribute::Number(number) => number.to_string(),
+    }
+}
+
+/// Prints the only pixel of the film. `position`: column and row in the whole picture.
+pub(super) fn print_pixel((x, y): (u32, u32), outcome: &Outcome) -> Result<()> {
+    let [r, g, b] = outcome.film.picture().rgb[0];
+    let mut text = String::new();
+    let error = match outcome.film.standard_error() {
+        Some(error) => format!("{:?}", error[0]),
+        None => "unknown".into(),
+    };
+    // Writing to a string cannot fail. `{:?}` gives the shortest text that reads
+    // back as the same number.
+    let _ = writeln!(text, "pixel {x} {y}");
+    let _ = writeln!(text, "radiance {r:?} {g:?} {b:?}");
+    let _ = writeln!(text, "samples {}", outcome.film.least_samples());
+    let _ = writeln!(text, "standard_error_of_luminance {error}");
+    talk::data(&text)
+}

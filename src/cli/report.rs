@@ -1,0 +1,167 @@
+//! What is said about a render on standard error.
+
+use super::destination::Destinations;
+use super::job::Job;
+use super::talk::{self, Verbosity, with_prefix};
+use std::time::Duration;
+use steradian::film::{ErrorEstimate, Film};
+use steradian::gpu::DeviceInfo;
+use steradian::renderer::RenderStatistics;
+use steradian::scene::Treatment;
+use steradian::shader::generated::Fault;
+
+/// All that is known when a render has ended.
+pub(super) struct Outcome<'a> {
+    pub(super) job: &'a Job,
+    pub(super) device: &'a DeviceInfo,
+    pub(super) film: &'a Film,
+    pub(super) statistics: &'a RenderStatistics,
+    /// The exit code of the signal that stopped it, if one did.
+    pub(super) stop_code: Option<u8>,
+}
+
+impl Outcome<'_> {
+    /// Whether a signal stopped the render.
+    pub(super) fn is_partial(&self) -> bool {
+        self.stop_code.is_some()
+    }
+}
+
+/// Before anything is built.
+pub(super) fn job(verbosity: Verbosity, job: &Job, device: &DeviceInfo) {
+    let seconds = talk::duration(job.load_seconds);
+    verbosity.detail(&format!("scene {}, read in {seconds}", job.scene.name));
+    verbosity.detail(&format!("device {} {} ({})", device.index, device.name, device.driver));
+}
+
+/// When everything is built and compiled.
+pub(super) fn renderer(verbosity: Verbosity, s: &RenderStatistics) {
+    verbosity.detail(&format!(
+        "trees of {} triangles, {} spheres, {} instances: {} nodes, depth {}, SAH cost {:.1}, built in {}",
+        s.triangle_count,
+        s.sphere_count,
+        s.instance_count,
+        s.node_count,
+        s.tree_depth,
+        s.sah_cost,
+        talk::duration(s.bvh_seconds),
+    ));
+    verbosity.detail(&format!("{} of scene on the device", talk::size(s.device_bytes)));
+    verbosity.detail(&format!(
+        "{} lines of WGSL, compiled in {}: {}",
+        s.wgsl_lines,
+        talk::duration(s.compile_seconds),
+        s.features,
+    ));
+}
+
+/// At the end. Warnings are said even when all else is not.
+pub(super) fn outcome(
+    verbosity: Verbosity,
+    outcome: &Outcome,
+    destinations: &Destinations,
+    wall: Duration,
+) {
+    for line in summary(outcome, destinations, wall.as_secs_f64()) {
+        verbosity.say(&line);
+    }
+    for notice in &outcome.job.scene.notices {
+        match notice.treatment {
+            Treatment::Honoured => verbosity.detail(&format!("honoured: {}", notice.message)),
+            Treatment::Approximated => verbosity.say(&format!("approximated: {}", notice.message)),
+            Treatment::Ignored => verbosity.say(&format!("ignored: {}", notice.message)),
+        }
+    }
+    if let Some(warning) = fault_warning(outcome.statistics) {
+        talk::line(&warning);
+    }
+}
+
+fn summary(outcome: &Outcome, destinations: &Destinations, wall_seconds: f64) -> Vec<String> {
+    let (s, window) = (outcome.statistics, outcome.film.window());
+    let what = format!("{}x{}, {}", window.width, window.height, sample_range(outcome.film));
+    let mut lines = Vec::new();
+    if let Some(picture) = &destinations.picture {
+        let partial = if outcome.is_partial() { "partial picture " } else { "" };
+        lines.push(format!("{partial}{}: {what}", picture.path.display()));
+    } else {
+        lines.push(what);
+    }
+    if let Some(stats) = &destinations.stats {
+        lines.push(format!("statistics {}", stats.display()));
+    }
+    let rate = |count: u64| with_prefix(count as f64 / s.render_seconds.max(f64::MIN_POSITIVE));
+    lines.push(format!(
+        "{} in all, {} of rendering: {} samples/s, {} rays/s",
+        talk::duration(wall_seconds),
+        talk::duration(s.render_seconds),
+        rate(s.samples),
+        rate(s.closest_rays + s.shadow_rays),
+    ));
+    lines.push(error_line(outcome.film.estimated_error().as_ref()));
+    lines
+}
+
+fn sample_range(film: &Film) -> String {
+    match (film.least_samples(), film.most_samples()) {
+        (least, most) if least == most => format!("{most} spp"),
+        (least, most) => format!("{least} to {most} spp"),
+    }
+}
+
+fn error_line(estimate: Option<&ErrorEstimate>) -> String {
+    match estimate {
+        Some(e) if e.relmse == 0.0 => "estimated error 0: every block of samples agrees".into(),
+        Some(e) => {
+            let percent = 100.0 * e.relmse.sqrt();
+            format!("estimated relMSE {:.1e}, about {} % per pixel", e.relmse, with_prefix(percent))
+        }
+        None => "error unknown: it takes two whole blocks of samples (--spp, --block)".into(),
+    }
+}
+
+/// One line about samples that cannot be right, if there are any.
+fn fault_warning(s: &RenderStatistics) -> Option<String> {
+    let causes = Fault::ALL.iter().filter(|f| s.faults[**f as usize] > 0);
+    let causes: Vec<_> =
+        causes.map(|f| format!("{} {}", s.faults[*f as usize], f.description())).collect();
+    if causes.is_empty() {
+        return None;
+    }
+    let place = s.first_fault.as_ref().map_or(String::new(), |first| {
+        let (x, y) = first.pixel;
+        format!("; the first at pixel {x},{y}, sample {}", first.sample)
+    });
+    Some(format!("warning: faulty samples: {}{place}", causes.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use steradian::renderer::FaultLocation;
+
+    #[test]
+    fn the_error_is_told_in_percent() {
+        let estimate = ErrorEstimate { relmse: 2.1e-4, mean_luminance: 0.5 };
+        let line = error_line(Some(&estimate));
+        assert_eq!(line, "estimated relMSE 2.1e-4, about 1.45 % per pixel");
+        let exact = ErrorEstimate { relmse: 0.0, ..estimate };
+        assert!(error_line(Some(&exact)).starts_with("estimated error 0"));
+        assert!(error_line(None).starts_with("error unknown"));
+    }
+
+    #[test]
+    fn faults_are_counted_and_located() {
+        let mut statistics = RenderStatistics::default();
+        assert_eq!(fault_warning(&statistics), None);
+        statistics.faults[Fault::Stack as usize] = 3;
+        statistics.faults[Fault::NonFinite as usize] = 12;
+        statistics.first_fault = Some(FaultLocation { pixel: (4, 5), sample: 6 });
+        let warning = fault_warning(&statistics).unwrap();
+        assert_eq!(
+            warning,
+            "warning: faulty samples: 12 not finite, 3 traversal stack overflow; \
+             the first at pixel 4,5, sample 6"
+        );
+    }
+}

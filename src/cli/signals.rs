@@ -1,0 +1,39 @@
+//! SIGINT and SIGTERM: the first one asks for an end with the partial picture
+//! written, the second one ends the program at once.
+
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use steradian::{Error, Result};
+
+/// Remembers a request to stop.
+pub(super) struct StopRequest {
+    /// The number of the signal; 0 before any.
+    signal: Arc<AtomicUsize>,
+}
+
+impl StopRequest {
+    /// Begins to listen. Before this, a signal ends the program at once.
+    pub(super) fn listen() -> Result<Self> {
+        let is_requested = Arc::new(AtomicBool::new(false));
+        let signal = Arc::new(AtomicUsize::new(0));
+        for number in [SIGINT, SIGTERM] {
+            // Handlers run in the order of registration: the first signal finds
+            // nothing requested yet.
+            flag::register_conditional_default(number, is_requested.clone())
+                .and_then(|_| flag::register_usize(number, signal.clone(), number as usize))
+                .and_then(|_| flag::register(number, is_requested.clone()))
+                .map_err(|e| Error::io("signal handlers", e))?;
+        }
+        Ok(Self { signal })
+    }
+
+    /// The exit code of the signal that came, if any: 128 and its number.
+    pub(super) fn exit_code(&self) -> Option<u8> {
+        match self.signal.load(Ordering::SeqCst) {
+            0 => None,
+            number => Some(128 + number as u8),
+        }
+    }
+}

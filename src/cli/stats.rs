@@ -1,0 +1,120 @@
+//! Statistics of a render as JSON, for programs.
+
+use super::report::Outcome;
+use super::values::{STRATEGIES, word_for};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+use steradian::image::write_atomically;
+use steradian::shader::Feature;
+use steradian::shader::generated::Fault;
+use steradian::{Error, Result};
+
+/// Raised when a member changes its meaning or goes.
+const SCHEMA: u32 = 1;
+
+#[derive(Serialize)]
+struct Stats<'a> {
+    schema: u32,
+    version: &'a str,
+    scene: &'a str,
+    device: &'a str,
+    driver: &'a str,
+    /// Of the whole picture, pixels.
+    width: u32,
+    height: u32,
+    /// x, y, width, height of the part that was rendered.
+    window: [u32; 4],
+    strategy: &'a str,
+    seed: u32,
+    block: u32,
+    /// Of every pixel at least.
+    spp: u32,
+    requested_spp: Option<u32>,
+    /// Of all pixels together.
+    samples: u64,
+    load_seconds: f64,
+    bvh_seconds: f64,
+    compile_seconds: f64,
+    render_seconds: f64,
+    rays_closest: u64,
+    rays_any: u64,
+    estimated_relmse: Option<f64>,
+    mean_luminance: Option<f64>,
+    faults: BTreeMap<&'a str, u64>,
+    features: Vec<&'a str>,
+    triangles: usize,
+    spheres: usize,
+    instances: usize,
+    nodes: usize,
+    tree_depth: u32,
+    sah_cost: f64,
+    device_bytes: u64,
+    wgsl_lines: usize,
+    /// Stopped by a signal.
+    partial: bool,
+}
+
+/// Writes the statistics of a render.
+pub(super) fn write(path: &Path, outcome: &Outcome) -> Result<()> {
+    let failure = |e: std::io::Error| Error::io(path, e);
+    let mut json = serde_json::to_string_pretty(&stats(outcome)).map_err(|e| failure(e.into()))?;
+    json.push('\n');
+    write_atomically(path, |file| file.write_all(json.as_bytes()).map_err(failure))
+}
+
+fn stats<'a>(outcome: &Outcome<'a>) -> Stats<'a> {
+    let settings = &outcome.job.settings;
+    let counts = outcome.statistics;
+    let window = outcome.film.window();
+    let error = outcome.film.estimated_error();
+    Stats {
+        schema: SCHEMA,
+        version: env!("CARGO_PKG_VERSION"),
+        scene: &outcome.job.scene.name,
+        device: &outcome.device.name,
+        driver: &outcome.device.driver,
+        width: settings.resolution.0,
+        height: settings.resolution.1,
+        window: [window.x, window.y, window.width, window.height],
+        strategy: word_for(STRATEGIES, &settings.strategy),
+        seed: settings.seed,
+        block: settings.block_size,
+        spp: outcome.film.least_samples(),
+        requested_spp: outcome.job.requested_spp,
+        samples: counts.samples,
+        load_seconds: outcome.job.load_seconds,
+        bvh_seconds: counts.bvh_seconds,
+        compile_seconds: counts.compile_seconds,
+        render_seconds: counts.render_seconds,
+        rays_closest: counts.closest_rays,
+        rays_any: counts.shadow_rays,
+        estimated_relmse: error.as_ref().map(|e| e.relmse),
+        mean_luminance: error.as_ref().map(|e| e.mean_luminance),
+        faults: Fault::ALL.iter().map(|f| (key(*f), counts.faults[*f as usize])).collect(),
+        features: Feature::ALL
+            .iter()
+            .filter(|f| counts.features.has(**f))
+            .map(|f| f.name())
+            .collect(),
+        triangles: counts.triangle_count,
+        spheres: counts.sphere_count,
+        instances: counts.instance_count,
+        nodes: counts.node_count,
+        tree_depth: counts.tree_depth,
+        sah_cost: counts.sah_cost,
+        device_bytes: counts.device_bytes,
+        wgsl_lines: counts.wgsl_lines,
+        partial: outcome.is_partial(),
+    }
+}
+
+fn key(fault: Fault) -> &'static str {
+    match fault {
+        Fault::NonFinite => "non_finite",
+        Fault::Negative => "negative",
+        Fault::LoopBound => "loop_bound",
+        Fault::Stack => "stack",
+    }
+}
