@@ -154,7 +154,7 @@ fn hit<const FUSED: bool>(
     let t2 = dot::<FUSED>(p2, d) / d_squared;
     let height = dot::<FUSED>(n, p0);
     let t = if height.abs() / GREATEST_T < det.abs() {
-        (height / det).clamp(t0.min(t1).min(t2), t0.max(t1).max(t2))
+        (height / det).max(t0.min(t1).min(t2)).min(t0.max(t1).max(t2))
     } else {
         w0 / total * t0 + u * t1 + v * t2
     };
