@@ -145,6 +145,14 @@ fn integers_are_converted_and_normalised() {
 }
 
 #[test]
+fn integers_may_be_written_as_floats() {
+    let mut fixture = Fixture::triangle();
+    fixture.json["accessors"][0]["count"] = json!(3.0);
+    fixture.json["nodes"][0]["mesh"] = json!(0.0);
+    assert_eq!(fixture.scene().meshes[0].positions.len(), 3);
+}
+
+#[test]
 fn vertex_colours_are_opaque_without_alpha_and_clamped() {
     let mut fixture = Fixture::triangle();
     let colors = fixture.floats("VEC3", &[0.5, 0.0, 1.0, 2.0, 0.0, 0.0, 0.0, -1.0, 0.0]);
@@ -309,7 +317,7 @@ fn cameras_look_along_minus_z_without_the_scale_of_their_node() {
         }),
     );
     fixture.node(json!({"camera": 0, "translation": [0.0, 0.0, 5.0], "scale": [2.0, 2.0, -3.0]}));
-    fixture.node(json!({"name": "top", "camera": 1, "translation": [1.0, 0.5, 8.0]}));
+    fixture.node(json!({"name": "top", "camera": 1, "translation": [4.0, 0.5, 8.0]}));
     let cameras = fixture.scene().cameras;
 
     assert_eq!(cameras.len(), 2);
@@ -326,7 +334,7 @@ fn cameras_look_along_minus_z_without_the_scale_of_their_node() {
     assert_eq!(cameras[1].projection, Projection::Orthographic { ymag: 2.0 });
     assert_eq!(cameras[1].aspect_ratio, Some(1.5));
     assert_eq!(cameras[1].aperture_radius, 0.0);
-    // The centre of the bounds is (1, ½, 0).
+    // The center of the bounds is (1, ½, 0); the distance is along the view axis.
     assert_eq!(cameras[1].focus_distance, 8.0);
 }
 

@@ -75,14 +75,14 @@ fn texture_coordinates_turn_against_the_image() {
 
 #[test]
 fn values_out_of_range_are_clamped_with_a_notice() {
-    let scene = Fixture::with_material(json!({
+    let fixture = Fixture::with_material(json!({
         "emissiveFactor": [-1.0, 0.0, 3.0],
         "pbrMetallicRoughness": {
             "baseColorFactor": [1.5, -0.5, 0.5, 1.0], "metallicFactor": 2.0, "roughnessFactor": -1.0,
         },
         "extensions": {"KHR_materials_ior": {"ior": 0.5}},
-    }))
-    .scene();
+    }));
+    let scene = fixture.scene();
     let material = &scene.materials[0];
     assert_eq!(material.base_color, Vec3::new(1.0, 0.0, 0.5));
     assert_eq!((material.metallic, material.roughness, material.ior), (1.0, 0.0, 1.0));
@@ -92,6 +92,8 @@ fn values_out_of_range_are_clamped_with_a_notice() {
     for what in clamped {
         assert!(has_notice(&scene, Treatment::Approximated, what), "{what}: {:?}", scene.notices);
     }
+    let message = fixture.load_strict().unwrap_err().to_string();
+    assert_contains(&message, "metallicFactor outside [0, 1] clamped");
 }
 
 #[test]

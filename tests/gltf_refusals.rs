@@ -138,6 +138,8 @@ fn strides_views_and_buffers_that_do_not_fit() {
     let mut fixture = Fixture::triangle();
     fixture.json["buffers"] = json!([{"byteLength": 37}]);
     assert_contains(&fixture.refusal(), "buffer 0 should have 37 bytes, its data has 36");
+    fixture.json["buffers"] = json!([{"byteLength": 32}]);
+    assert_contains(&fixture.refusal(), "goes beyond the 32 bytes of buffer 0");
 }
 
 #[test]

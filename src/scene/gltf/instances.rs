@@ -114,9 +114,8 @@ fn invertible(transform: &DAffine3) -> Option<Affine3A> {
         linear.z_axis.as_vec3a(),
         transform.translation.as_vec3a(),
     );
-    let determinant = transform.matrix3.determinant();
-    let is_invertible = determinant != 0.0
-        && determinant.is_finite()
+    // The inverse of a determinant that overflows would be finite, but zero.
+    let is_invertible = transform.matrix3.determinant().is_finite()
         && transform.is_finite()
         && transform.inverse().is_finite();
     is_invertible.then_some(transform)
