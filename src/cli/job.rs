@@ -16,6 +16,9 @@ const UNLIMITED_SPP: u32 = 1 << 31;
 /// Samples of a block where there are enough of them.
 const LARGEST_DEFAULT_BLOCK: u32 = 16;
 
+/// Most pixels of one render. Each takes about 100 bytes of memory: 25 GiB.
+const MAX_PIXELS: u64 = 1 << 28;
+
 /// What to render, checked.
 pub(super) struct Job {
     /// With the flags' camera lens and environment in place.
@@ -59,6 +62,7 @@ impl Job {
         check_pixel(flags, &settings)?;
         check_bounces(&settings)?;
         settings.validate(&scene)?;
+        check_size(&settings)?;
         Ok(Self { scene, settings, requested_spp, load_seconds })
     }
 }
@@ -165,6 +169,18 @@ fn check_pixel(flags: &RenderFlags, settings: &RenderSettings) -> Result<()> {
         ))),
         _ => Ok(()),
     }
+}
+
+fn check_size(settings: &RenderSettings) -> Result<()> {
+    let window = settings.window();
+    let pixels = u64::from(window.width) * u64::from(window.height);
+    if pixels <= MAX_PIXELS {
+        return Ok(());
+    }
+    Err(Error::Settings(format!(
+        "{}x{} pixels: one render can have {MAX_PIXELS} in all; render parts with --crop",
+        window.width, window.height
+    )))
 }
 
 fn check_bounces(settings: &RenderSettings) -> Result<()> {

@@ -43,9 +43,6 @@ pub(super) fn run(flags: &RenderFlags) -> Result<ExitCode> {
         statistics: renderer.statistics(),
         stop_code: stop.exit_code(),
     };
-    if outcome.film.most_samples() == 0 {
-        return Err(Error::Settings("--time: it was over before the first sample".into()));
-    }
     write(flags, &destinations, &outcome)?;
     report::outcome(verbosity, &outcome, &destinations, start.elapsed());
     Ok(outcome.stop_code.map_or(ExitCode::SUCCESS, ExitCode::from))

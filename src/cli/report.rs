@@ -72,8 +72,9 @@ pub(super) fn outcome(
             Treatment::Ignored => verbosity.say(&format!("ignored: {}", notice.message)),
         }
     }
-    if let Some(warning) = fault_warning(outcome.statistics) {
-        talk::line(&warning);
+    let warnings = [empty_warning(outcome.film), fault_warning(outcome.statistics)];
+    for warning in warnings.iter().flatten() {
+        talk::line(warning);
     }
 }
 
@@ -116,8 +117,14 @@ fn error_line(estimate: Option<&ErrorEstimate>) -> String {
             let percent = 100.0 * e.relmse.sqrt();
             format!("estimated relMSE {:.1e}, about {} % per pixel", e.relmse, with_prefix(percent))
         }
-        None => "error unknown: it takes two whole blocks of samples (--spp, --block)".into(),
+        None => "no error estimate: it takes two whole blocks of samples (--spp, --block)".into(),
     }
+}
+
+/// One line about pixels that an early end left without samples.
+fn empty_warning(film: &Film) -> Option<String> {
+    let empty = film.sample_counts().iter().filter(|n| **n == 0).count();
+    (empty > 0).then(|| format!("warning: {empty} pixels have no sample and are black"))
 }
 
 /// One line about samples that cannot be right, if there are any.
@@ -138,7 +145,9 @@ fn fault_warning(s: &RenderStatistics) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use steradian::film::BlockSum;
     use steradian::renderer::FaultLocation;
+    use steradian::settings::Crop;
 
     #[test]
     fn the_error_is_told_in_percent() {
@@ -147,7 +156,18 @@ mod tests {
         assert_eq!(line, "estimated relMSE 2.1e-4, about 1.45 % per pixel");
         let exact = ErrorEstimate { relmse: 0.0, ..estimate };
         assert!(error_line(Some(&exact)).starts_with("estimated error 0"));
-        assert!(error_line(None).starts_with("error unknown"));
+        assert!(error_line(None).starts_with("no error estimate"));
+    }
+
+    #[test]
+    fn pixels_without_samples_are_counted() {
+        let mut film = Film::new(Crop { x: 0, y: 0, width: 3, height: 1 });
+        film.add_block(1, 0, BlockSum { sum: [1.0; 3], sample_count: 2 }, true);
+        let warning = empty_warning(&film);
+        assert_eq!(warning.as_deref(), Some("warning: 2 pixels have no sample and are black"));
+        film.add_block(0, 0, BlockSum { sum: [0.0; 3], sample_count: 1 }, true);
+        film.add_block(2, 0, BlockSum { sum: [0.0; 3], sample_count: 1 }, true);
+        assert_eq!(empty_warning(&film), None);
     }
 
     #[test]

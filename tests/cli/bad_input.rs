@@ -65,6 +65,7 @@ fn settings_that_do_not_fit_the_scene_exit_with_2() {
         (&["-o", "a.png", "--crop", "4294967295,0,4294967295,1"], &["crop", "8x8"]),
         (&["--pixel", "8,0"], &["--pixel 8,0", "8x8"]),
         (&["-o", "a.png", "--scale", "1e6"], &["--scale", "65535"]),
+        (&["-o", "a.png", "--scale", "8191.875"], &["65535x65535", "--crop"]),
         (&["-o", "a.png", "--block", "256"], &["256", "128"]),
         (&["-o", "a.png", "--only-bounce", "3", "--max-bounces", "2"], &["--only-bounce 3"]),
         (&["-o", "a.png", "--environment-intensity", "2"], &["no environment"]),
