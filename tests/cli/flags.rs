@@ -1,8 +1,9 @@
 //! That flags arrive where they have an effect.
 
 use super::{FURNACE_BOX, Program, QUAD_LIGHT, scene};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::time::{Duration, Instant};
+use steradian::image::{ExrImage, Picture, Precision, write_exr};
 
 fn features(stats: &Value) -> Vec<&str> {
     stats["features"].as_array().unwrap().iter().map(|f| f.as_str().unwrap()).collect()
@@ -76,6 +77,28 @@ fn the_environment_is_seen_as_it_is_given() {
     assert_eq!(of(&radiance), [0.25, 0.5, 1.0]);
     let brighter = ["--environment-intensity", "4", "--environment-rotation", "-90"];
     assert_eq!(of(&[&radiance[..], &brighter].concat()), [1.0, 2.0, 4.0]);
+}
+
+/// The flag turns a map as the scene's own entry does, and away from where it was.
+#[test]
+fn the_environment_turns_as_in_a_scene_file() {
+    let program = Program::new();
+    let columns: Vec<[f32; 3]> = (1..=16).map(|x| [x as f32, 0.0, 0.0]).collect();
+    let map = ExrImage::from_picture(&Picture::new(16, 2, [&columns[..], &columns].concat()));
+    write_exr(&program.path("map.exr"), &map, Precision::Float).unwrap();
+    let mut scene = scene::triangle();
+    scene::write(&program.path("plain.gltf"), &scene);
+    scene["scenes"][0]["extras"] =
+        json!({ "steradian": { "environment": { "uri": "map.exr", "rotation": 60.0 } } });
+    scene::write(&program.path("turned.gltf"), &scene);
+
+    let corner = ["--resolution", "16x8", "--spp", "4", "--pixel", "0,0"];
+    let of = |scene, flags: &[&str]| radiance(&program, scene, &[&corner[..], flags].concat());
+    let map = ["--environment", "map.exr"];
+    let turned = of("plain.gltf", &[&map[..], &["--environment-rotation", "60"]].concat());
+    assert_eq!(turned, of("turned.gltf", &[]));
+    assert_ne!(turned, of("plain.gltf", &map));
+    assert_eq!(of("plain.gltf", &map), of("turned.gltf", &["--environment-rotation", "0"]));
 }
 
 #[test]
