@@ -3,6 +3,8 @@
 use super::talk::{self, Verbosity};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
 use std::time::{Duration, Instant};
 
 /// Steps of the bar.
@@ -10,20 +12,40 @@ const RESOLUTION: f64 = 1000.0;
 /// Time between lines.
 const INTERVAL: Duration = Duration::from_secs(5);
 
-/// Calls `work`, of unknown length, with a sign of life on a terminal.
+/// Calls `work`, of unknown length, with signs of life.
 pub(super) fn while_busy<T>(
     verbosity: Verbosity,
     message: &'static str,
     work: impl FnOnce() -> T,
 ) -> T {
-    if verbosity == Verbosity::Quiet || !std::io::stderr().is_terminal() {
+    if verbosity == Verbosity::Quiet {
         return work();
+    }
+    if !std::io::stderr().is_terminal() {
+        return with_lines(message, work);
     }
     let spinner = ProgressBar::new_spinner().with_message(message);
     spinner.enable_steady_tick(Duration::from_millis(100));
     let result = work();
     spinner.finish_and_clear();
     result
+}
+
+/// Calls `work`; says at intervals that it goes on.
+fn with_lines<T>(message: &str, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let (working, end) = mpsc::channel::<()>();
+    thread::scope(|scope| {
+        scope.spawn(move || {
+            // Nothing is ever sent: the channel closes when the work ends.
+            while end.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Timeout) {
+                let elapsed = talk::duration(start.elapsed().as_secs_f64());
+                talk::line(&format!("{message}, {elapsed} elapsed"));
+            }
+        });
+        let _working = working;
+        work()
+    })
 }
 
 /// Progress on standard error.
