@@ -36,7 +36,7 @@ fn leaf_triangle(ray: Ray, o: vec3<f32>, d: vec3<f32>, index: u32, instance: u32
 #if SPHERES
 fn leaf_sphere(ray: Ray, index: u32, best: Hit) -> Hit {
     let p = primitive_load(index);
-    let t = sphere_record_hit(ray.origin, ray.direction, p, T_INFINITY);
+    let t = sphere_record_hit(ray.origin, ray.direction, p);
     if !(t > 0.0 && t <= best.t) || (t == best.t && !leaf_comes_first(p, best)) {
         return best;
     }

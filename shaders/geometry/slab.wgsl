@@ -27,8 +27,8 @@ fn slab_new(o: vec3<f32>, d: vec3<f32>, grid_min: vec3<f32>, grid_scale: vec3<f3
 // near <= far. `child` holds (x, y, z, link), lower plane in the low half.
 fn slab_hit(s: Slab, child: vec4<u32>, t_max: f32) -> vec2<f32> {
     let low_half = vec3<u32>(0xffffu);
-    let near_q = vec3<f32>((child.xyz >> s.shift) & low_half);
-    let far_q = vec3<f32>((child.xyz >> (vec3<u32>(16u) - s.shift)) & low_half);
+    let near_q = vec3<f32>(vec3<i32>((child.xyz >> s.shift) & low_half));
+    let far_q = vec3<f32>(vec3<i32>((child.xyz >> (vec3<u32>(16u) - s.shift)) & low_half));
     let near = near_q * s.scale + s.bias_near;
     let far = far_q * s.scale + s.bias_far;
     return vec2<f32>(

@@ -13,6 +13,8 @@ struct TriangleHit {
 // Width of the band about an edge in which Möller-Trumbore is not trusted.
 const UNCERTAINTY: f32 = 1.52587890625e-5;
 const UNCERTAINTY_FLOOR: f32 = 1.9073486328125e-6;
+// Quotients beyond this are not formed.
+const GREATEST_T: f32 = 1e30;
 
 // Which component of d has the largest magnitude: 2, 0 or 1 for z, x, y.
 fn triangle_major(d: vec3<f32>) -> u32 {
@@ -53,6 +55,17 @@ fn triangle_sheared_weights(d: vec3<f32>, p0: vec3<f32>, p1: vec3<f32>, p2: vec3
     return r.z * vec3<f32>(triangle_edge(b, c), triangle_edge(c, a), triangle_edge(a, b));
 }
 
+// Where the line o + t d meets the plane, kept within the vertices' range; by the
+// weights where the determinant is all error.
+fn triangle_distance(d: vec3<f32>, p: mat3x3<f32>, b: vec3<f32>, height: f32, det: f32) -> f32 {
+    let along = (d * p) / dot(d, d);
+    if abs(height) / GREATEST_T >= abs(det) {
+        return dot(b, along);
+    }
+    let least = min(along.x, min(along.y, along.z));
+    return min(max(height / det, least), max_component(along));
+}
+
 // Meets the triangle from either side with the line o + t d. d need not be a unit vector.
 fn triangle_hit(o: vec3<f32>, d: vec3<f32>, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> TriangleHit {
     let miss = TriangleHit(-1.0, 0.0, 0.0);
@@ -62,7 +75,8 @@ fn triangle_hit(o: vec3<f32>, d: vec3<f32>, v0: vec3<f32>, v1: vec3<f32>, v2: ve
     let e1 = p1 - p0;
     let e2 = p2 - p0;
     let q = cross(d, p0);
-    let det = dot(d, cross(e1, e2));
+    let n = cross(e1, e2);
+    let det = dot(d, n);
     let w1 = -dot(q, e2);
     let w2 = dot(q, e1);
     var w = vec3<f32>(det - w1 - w2, w1, w2);
@@ -73,13 +87,15 @@ fn triangle_hit(o: vec3<f32>, d: vec3<f32>, v0: vec3<f32>, v1: vec3<f32>, v2: ve
     let edge_size = edge.x + edge.y + edge.z;
     let uncertain = UNCERTAINTY * max_component(abs(d)) * vertex_size
         * (edge_size + UNCERTAINTY_FLOOR * vertex_size);
-    let low = min(w.x, min(w.y, w.z));
-    let high = max_component(w);
-    if low < -uncertain && high > uncertain {
+    if min(w.x, min(w.y, w.z)) < -uncertain && max_component(w) > uncertain {
         return miss;
     }
     let magnitude = abs(w);
     if min(magnitude.x, min(magnitude.y, magnitude.z)) <= uncertain {
+        // A triangle without area has no normal: its neighbours cover it.
+        if all(cross(v1 - v0, v2 - v0) == vec3<f32>(0.0)) {
+            return miss;
+        }
         w = triangle_sheared_weights(d, p0, p1, p2);
         if min(w.x, min(w.y, w.z)) < 0.0 && max_component(w) > 0.0 {
             return miss;
@@ -90,6 +106,6 @@ fn triangle_hit(o: vec3<f32>, d: vec3<f32>, v0: vec3<f32>, v1: vec3<f32>, v2: ve
         return miss;
     }
     let b = w / total;
-    let p = b.x * p0 + b.y * p1 + b.z * p2;
-    return TriangleHit(dot(p, d) / dot(d, d), b.y, b.z);
+    let t = triangle_distance(d, mat3x3<f32>(p0, p1, p2), b, dot(n, p0), det);
+    return TriangleHit(t, b.y, b.z);
 }

@@ -36,9 +36,9 @@ fn texture_or_white(texture: u32, uv: vec4<f32>) -> vec4<f32> {
     let x_row = bitcast<vec4<f32>>(textures[3u * texture + 1u]);
     let y_row = bitcast<vec4<f32>>(textures[3u * texture + 2u]);
     let flags = head.w;
-    let set = select(uv.xy, uv.zw, (flags & TEXTURE_UV_SET) != 0u);
+    let chosen = select(uv.xy, uv.zw, (flags & TEXTURE_UV_SET) != 0u);
     let size = vec2<i32>(head.yz);
-    let at = vec2<f32>(dot(x_row.xyz, vec3<f32>(set, 1.0)), dot(y_row.xyz, vec3<f32>(set, 1.0)));
+    let at = vec2<f32>(dot(x_row.xyz, vec3<f32>(chosen, 1.0)), dot(y_row.xyz, vec3<f32>(chosen, 1.0)));
     let is_nearest = (flags & TEXTURE_NEAREST) != 0u;
     let position = at * vec2<f32>(size) - select(0.5, 0.0, is_nearest);
     let corner = floor(position);

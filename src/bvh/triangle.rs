@@ -127,6 +127,9 @@ fn hit<const FUSED: bool>(
         * d.abs().max_element()
         * vertex_size
         * (edge_size + UNCERTAINTY_FLOOR * vertex_size);
+    if w0.min(w1).min(w2) < -uncertain && w0.max(w1).max(w2) > uncertain {
+        return None;
+    }
     if w0.abs().min(w1.abs()).min(w2.abs()) <= uncertain {
         if cross::<FUSED>(v1 - v0, v2 - v0) == Vec3::ZERO {
             return None;

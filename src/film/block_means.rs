@@ -12,8 +12,8 @@ const SLOTS: usize = 16;
 pub(super) struct BlockMeans {
     /// One vector a slot, one entry a pixel.
     slots: Vec<Vec<f32>>,
-    /// Sum of the block means of the run that is under way.
-    pending: Vec<f32>,
+    /// Sum of the block means of the run that is under way; in f64, so that equal means stay exact.
+    pending: Vec<f64>,
     pending_blocks: u32,
     blocks_per_slot: u32,
 }
@@ -30,7 +30,7 @@ impl BlockMeans {
 
     /// Adds the mean of a pixel's block.
     pub(super) fn add(&mut self, pixel: usize, mean: f32) {
-        self.pending[pixel] += mean;
+        self.pending[pixel] += f64::from(mean);
     }
 
     /// Every pixel has had its block.
@@ -39,8 +39,8 @@ impl BlockMeans {
         if self.pending_blocks < self.blocks_per_slot {
             return;
         }
-        let n = self.blocks_per_slot as f32;
-        self.slots.push(self.pending.iter().map(|p| p / n).collect());
+        let n = f64::from(self.blocks_per_slot);
+        self.slots.push(self.pending.iter().map(|p| (p / n) as f32).collect());
         self.pending.fill(0.0);
         self.pending_blocks = 0;
         if self.slots.len() == SLOTS {

@@ -94,10 +94,11 @@ mod tests {
         }
     }
 
-    /// Published first points of the sequence.
+    /// Published first points of the sequence, which are in the order of the Gray code.
     #[test]
     fn matches_the_published_sequence() {
-        let third: Vec<f64> = (0..8).map(|i| f64::from(point(2, i)) / 4294967296.0).collect();
+        let third: Vec<f64> =
+            (0..8).map(|i| f64::from(point(2, i ^ i >> 1)) / 4_294_967_296.0).collect();
         assert_eq!(third, [0.0, 0.5, 0.25, 0.75, 0.625, 0.125, 0.875, 0.375]);
     }
 }
