@@ -57,7 +57,9 @@ fn light_sphere_sample(l: Light, s: Surface, u: vec2<f32>) -> LightSample {
     if pdf <= 0.0 {
         return light_none();
     }
-    let offset = spawn_offset(max(max_component(abs(l.a)), radius)) * select(1.0, -1.0, v.is_inside);
+    // Beyond the error of a hit seen from the receiver, which grows with the distance.
+    let extent = max(max_component(abs(l.a)), max(radius, v.distance));
+    let offset = spawn_offset(extent) * select(1.0, -1.0, v.is_inside);
     return LightSample(surface_unit(toward), pdf, light_color(l) / pdf, point + offset * n, false);
 }
 

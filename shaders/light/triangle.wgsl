@@ -32,7 +32,8 @@ fn light_triangle_sample(l: Light, s: Surface, u: vec2<f32>) -> LightSample {
     radiance *= light_triangle_texture(l, w);
 #endif
     let extent = max(max(abs(l.a), abs(l.b)), abs(l.c));
-    let offset = spawn_offset(max_component(extent)) * select(-1.0, 1.0, facing > 0.0);
+    // Beyond the error of a hit seen from the receiver, which grows with the distance.
+    let offset = spawn_offset(max(max_component(extent), length(toward))) * select(-1.0, 1.0, facing > 0.0);
     let target_point = point + offset * surface_unit(n2);
     return LightSample(surface_unit(toward), pdf, radiance / pdf, target_point, false);
 }
