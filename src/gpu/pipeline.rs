@@ -17,6 +17,11 @@ pub struct Kernel {
 /// # Errors
 /// [`Error::Shader`] with the message and the file and line it is about.
 pub fn validate(entry: &str, composed: &Composed) -> Result<naga::Module> {
+    Ok(analyse(entry, composed)?.0)
+}
+
+/// [`validate`], and what each function uses.
+fn analyse(entry: &str, composed: &Composed) -> Result<(naga::Module, naga::valid::ModuleInfo)> {
     let fail = |message: String, line: Option<u32>| {
         let at = line.map_or_else(String::new, |l| format!("{}: ", composed.locate(l as usize)));
         Error::Shader { entry: entry.to_owned(), message: format!("{at}{message}") }
@@ -26,7 +31,7 @@ pub fn validate(entry: &str, composed: &Composed) -> Result<naga::Module> {
         fail(e.message().to_owned(), line)
     })?;
     let capabilities = naga::valid::Capabilities::all();
-    naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities)
+    let info = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities)
         .validate(&module)
         .map_err(|e| {
             let line = e.location(&composed.text).map(|l| l.line_number);
@@ -38,7 +43,7 @@ pub fn validate(entry: &str, composed: &Composed) -> Result<naga::Module> {
             }
             fail(message, line)
         })?;
-    Ok(module)
+    Ok((module, info))
 }
 
 impl Kernel {
@@ -54,10 +59,13 @@ impl Kernel {
         generated: &str,
     ) -> Result<Self> {
         let composed = compose(library, entry, features, generated)?;
-        let module = validate(entry, &composed)?;
+        let (module, info) = analyse(entry, &composed)?;
+        // The layout has what the entry point uses, not all that its modules declare.
+        let main = info.get_entry_point(0);
         let bindings = module
             .global_variables
             .iter()
+            .filter(|(handle, _)| !main[*handle].is_empty())
             .filter_map(|(_, v)| Some((v.name.clone()?, v.binding.as_ref()?.binding)))
             .collect();
         let scope = device.device.push_error_scope(wgpu::ErrorFilter::Validation);
