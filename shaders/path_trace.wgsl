@@ -1,13 +1,10 @@
 // The path integrator: one thread traces the samples of one pixel and adds them
-// to the pixel's block, in sample order.
+// to the pixel's block, in sample order. Rays are traced by all threads of a
+// subgroup at once: a thread whose path has ended goes along until all have.
 #import frame/frame
 #import film/film
 #import camera/camera
-#if BRUTE_FORCE
-#import geometry/brute_force
-#else
-#import geometry/bvh
-#endif
+#import geometry/trace
 #import geometry/surface
 #import material/material
 #import bsdf/scatter
@@ -43,82 +40,125 @@ const ROULETTE_START: u32 = 5u;
 const ROULETTE_LEAST: f32 = 0.05;
 const ROULETTE_MOST: f32 = 0.95;
 
+// Rays traced by this thread.
 var<private> path_ray_count: u32 = 0u;
+var<private> path_shadow_ray_count: u32 = 0u;
+
+// A path between two rays.
+struct Path {
+    ray: Ray,
+    is_alive: bool,
+    throughput: vec3<f32>,
+    radiance: vec3<f32>,
+    // Density of the direction that the ray took, for the weight of emission it meets.
+    scatter_pdf: f32,
+    // Where it left the last surface.
+    scatter_point: vec3<f32>,
+    // How refraction scaled the throughput: no loss, so roulette ignores it.
+    eta_scale: f32,
+}
 
 // Whether light that was scattered `bounce` times belongs to the picture.
 fn path_keeps(bounce: u32) -> bool {
     return frame.only_bounce == INVALID || frame.only_bounce == bounce;
 }
 
-// Radiance along one camera path.
-fn path_radiance(sampler_p: Sampler, camera: Ray) -> vec3<f32> {
-    var ray = camera;
-    var radiance = vec3<f32>(0.0);
-    var throughput = vec3<f32>(1.0);
-    // Density of the direction that the ray took, for the weight of emission it meets.
-    var scatter_pdf = PDF_DELTA;
-    // Where it left the last surface.
-    var scatter_point = camera.origin;
-    var eta_scale = 1.0;
-    for (var bounce = 0u; bounce < PATH_LENGTH_LIMIT; bounce++) {
-        ray.alpha_seed = sampler_alpha_seed(sampler_p, bounce);
-        let hit = bvh_closest_hit(ray);
-        path_ray_count += 1u;
-        if hit.primitive == INVALID {
 #if ENVIRONMENT
-            if path_keeps(bounce) && frame.environment_size.x > 0u {
-                let w = strategy_emission_weight(scatter_pdf, environment_pdf(ray.direction));
-                radiance += throughput * environment_emitted(ray.direction) * w;
-            }
+fn path_environment(p: Path) -> vec3<f32> {
+    let d = p.ray.direction;
+    let w = strategy_emission_weight(p.scatter_pdf, environment_pdf(d));
+    return p.throughput * environment_emitted(d) * w;
+}
 #endif
-            return radiance;
+
+#if LIGHT_SURFACES
+fn path_emission(p: Path, m: Material, s: Surface) -> vec3<f32> {
+    let w = strategy_emission_weight(p.scatter_pdf, light_surface_pdf(s, p.scatter_point));
+    return p.throughput * material_emitted(m, s) * w;
+}
+#endif
+
+// Draws the next direction; the path ends where there is none.
+fn path_scatter(path: Path, s: Surface, b: Bsdf, frame_s: mat3x3<f32>, u: vec2<f32>, roulette: f32, bounce: u32) -> Path {
+    var p = path;
+    let scattered = bsdf_sample(b, s.wo * frame_s, u);
+    let wi = frame_s * scattered.wi;
+    // A shading normal can send light through the true surface, or the reverse: such a path ends.
+    let crosses = (scattered.wi.z < 0.0) != (dot(wi, s.ng) < 0.0);
+    p.is_alive = scattered.pdf != 0.0 && !crosses;
+    p.throughput *= scattered.weight;
+    p.eta_scale *= scattered.eta_scale;
+    p.scatter_pdf = scattered.pdf;
+    p.scatter_point = s.position;
+    p.ray = ray_new(ray_spawn(s.position, s.ng, s.offset, wi), wi);
+#if ROULETTE
+    if bounce + 1u >= ROULETTE_START {
+        let q = clamp(max_component(p.throughput) / p.eta_scale, ROULETTE_LEAST, ROULETTE_MOST);
+        p.is_alive = p.is_alive && roulette < q;
+        p.throughput /= q;
+    }
+#endif
+    return p;
+}
+
+// Radiance along one camera path.
+fn path_radiance(sampler_p: Sampler, camera: Ray, is_active: bool) -> vec3<f32> {
+    var p = Path(camera, is_active, vec3<f32>(1.0), vec3<f32>(0.0), PDF_DELTA, camera.origin, 1.0);
+    for (var bounce = 0u; bounce < PATH_LENGTH_LIMIT; bounce++) {
+        p.ray.alpha_seed = sampler_alpha_seed(sampler_p, bounce);
+        let hit = trace_closest(p.ray, p.is_alive);
+        path_ray_count += select(0u, 1u, p.is_alive);
+        let has_hit = p.is_alive && hit.primitive != INVALID;
+#if ENVIRONMENT
+        if p.is_alive && !has_hit && path_keeps(bounce) && frame.environment_size.x > 0u {
+            p.radiance += path_environment(p);
         }
-        var s = surface_at(ray, hit);
-        let m = materials[s.material];
+#endif
+        p.is_alive = has_hit;
+        var s: Surface;
+        var b: Bsdf;
+        var frame_s: mat3x3<f32>;
+        if has_hit {
+            s = surface_at(p.ray, hit);
+            let m = materials[s.material];
 #if TEXTURES
-        s.ns = normal_map_ns(m, s);
+            s.ns = normal_map_ns(m, s);
 #endif
 #if LIGHT_SURFACES
-        if s.light != INVALID && path_keeps(bounce) {
-            let w = strategy_emission_weight(scatter_pdf, light_surface_pdf(s, hit.is_sphere, scatter_point));
-            radiance += throughput * material_emitted(m, s) * w;
-        }
+            if s.light != INVALID && path_keeps(bounce) {
+                p.radiance += path_emission(p, m, s);
+            }
 #endif
-        if bounce >= frame.max_bounces {
-            return radiance;
+            b = material_bsdf(m, s);
+            frame_s = frame_from_normal(s.ns);
         }
-        let b = material_bsdf(m, s);
-        let frame_s = frame_from_normal(s.ns);
+        p.is_alive = p.is_alive && bounce < frame.max_bounces;
+        if !trace_any_lane(p.is_alive) {
+            return p.radiance;
+        }
         let u = sampler_vertex(sampler_p, bounce);
 #if NEE
-        if path_keeps(bounce + 1u) {
-            radiance += throughput * direct_light(s, b, frame_s, sampler_p, bounce, u.xy);
-        }
-#endif
-        let scattered = bsdf_sample(b, s.wo * frame_s, u.zw);
-        let wi = frame_s * scattered.wi;
-        // A shading normal can send light through the true surface, or the reverse: such a path ends.
-        let crosses = (scattered.wi.z < 0.0) != (dot(wi, s.ng) < 0.0);
-        if scattered.pdf == 0.0 || crosses {
-            return radiance;
-        }
-        throughput *= scattered.weight;
-        eta_scale *= scattered.eta_scale;
-#if ROULETTE
-        if bounce + 1u >= ROULETTE_START {
-            let q = clamp(max_component(throughput) / eta_scale, ROULETTE_LEAST, ROULETTE_MOST);
-            if sampler_choice(sampler_p, bounce).x >= q {
-                return radiance;
+        if frame.light_count > 0u && path_keeps(bounce + 1u) {
+            for (var i = 0u; i < frame.light_samples; i++) {
+                var d = direct_none();
+                if p.is_alive {
+                    d = direct_sample(s, b, frame_s, sampler_p, bounce, u.xy, i);
+                }
+                let has_ray = max_component(d.radiance) > 0.0;
+                path_shadow_ray_count += select(0u, 1u, has_ray);
+                let is_blocked = trace_any(d.ray, has_ray);
+                p.radiance += p.throughput * select(d.radiance, vec3<f32>(0.0), is_blocked);
             }
-            throughput /= q;
         }
 #endif
-        scatter_pdf = scattered.pdf;
-        scatter_point = s.position;
-        ray = ray_new(ray_spawn(s.position, s.ng, s.offset, wi), wi);
+        if p.is_alive {
+            p = path_scatter(p, s, b, frame_s, u.zw, sampler_choice(sampler_p, bounce).x, bounce);
+        }
     }
-    fault_raise(FAULT_LOOP_BOUND);
-    return radiance;
+    if p.is_alive {
+        fault_raise(FAULT_LOOP_BOUND);
+    }
+    return p.radiance;
 }
 
 // Pixel of the picture that thread `local` of a tile works on: a tile is 8 by 8
@@ -130,15 +170,22 @@ fn path_pixel(tile: u32, local: u32) -> vec2<u32> {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+#if PACKETS
+    @builtin(subgroup_invocation_id) lane: u32,
+#endif
+) {
+#if PACKETS
+    packet_lane = lane;
+#endif
 #if !BRUTE_FORCE
-    bvh_lane = local;
+    stack_lane = local;
 #endif
     let tile = frame.dispatch_first_tile + group.x;
     let in_window = path_pixel(frame.region_first_tile + tile, local);
-    if any(in_window >= frame.window_size) {
-        return;
-    }
+    let is_active = all(in_window < frame.window_size);
     let at = frame.window_origin + in_window;
     let index = tile * WORKGROUP_SIZE + local;
     var pixel = film[index];
@@ -152,12 +199,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 #else
         let lens = vec2<f32>(0.5);
 #endif
-        let radiance = path_radiance(sampler_p, camera_ray(film_position, lens));
+        let radiance = path_radiance(sampler_p, camera_ray(film_position, lens), is_active);
         pixel = film_add(pixel, radiance, sampler_p.sample_index);
     }
     pixel.closest_ray_count += path_ray_count;
-#if NEE
-    pixel.shadow_ray_count += direct_ray_count;
-#endif
-    film[index] = pixel;
+    pixel.shadow_ray_count += path_shadow_ray_count;
+    if is_active {
+        film[index] = pixel;
+    }
 }

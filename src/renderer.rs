@@ -4,11 +4,11 @@ mod camera;
 mod schedule;
 
 use crate::film::{BlockSum, Film};
-use crate::gpu::{Device, GpuFilmPixel, GpuFrame, GpuScene, SceneBuffers};
+use crate::gpu::{Device, GpuFilmPixel, GpuFrame, GpuScene, SceneBuffers, TreeWidth};
 use crate::passes::PathTrace;
 use crate::scene::Scene;
-use crate::settings::RenderSettings;
-use crate::shader::Features;
+use crate::settings::{Accel, RenderSettings};
+use crate::shader::{Feature, Features};
 use crate::shader::generated::{Fault, INVALID};
 use crate::{Error, Result};
 use schedule::Schedule;
@@ -87,12 +87,14 @@ impl Renderer {
     pub fn new(device: Arc<Device>, scene: &Scene, settings: &RenderSettings) -> Result<Self> {
         settings.validate(scene)?;
         let begin = Instant::now();
-        let buffers = SceneBuffers::build(scene, settings)?;
+        let has_packets = device.traces_packets() && settings.accel != Accel::None;
+        let width = if has_packets { TreeWidth::Four } else { TreeWidth::Two };
+        let buffers = SceneBuffers::build(scene, settings, width)?;
         let bvh_seconds = begin.elapsed().as_secs_f64();
         let gpu_scene = buffers.upload(&device)?;
 
         let window = settings.window();
-        let features = Features::of(scene, settings);
+        let features = Features::of(scene, settings).with_if(Feature::Packets, has_packets);
         let schedule = Schedule::new(&device, settings)?;
         let begin = Instant::now();
         let frame = frame(scene, settings, &buffers);

@@ -44,7 +44,8 @@ fn with_implied(mut set: Features) -> Features {
 fn is_contradictory(set: Features) -> bool {
     use Feature::*;
     [Mis, LightOnly, ScatterOnly].iter().filter(|f| set.has(**f)).count() > 1
-        || (set.has(BruteForce) && set.has(Instances))
+        || (set.has(Nee) && set.has(ScatterOnly))
+        || (set.has(BruteForce) && (set.has(Instances) || set.has(Packets)))
 }
 
 fn feature_sets() -> Vec<Features> {
@@ -122,7 +123,9 @@ fn no_name_is_defined_by_two_modules_that_can_meet() {
     use std::collections::BTreeMap;
     let alternatives = [
         ["bsdf/smooth", "bsdf/smooth_hemisphere"],
-        ["geometry/bvh", "geometry/brute_force"],
+        ["geometry/trace_lane", "geometry/trace_packet"],
+        ["geometry/trace_lane", "geometry/trace_brute_force"],
+        ["geometry/trace_packet", "geometry/trace_brute_force"],
         ["sample/sampler_sobol", "sample/sampler_independent"],
         ["strategy/mis", "strategy/light"],
         ["strategy/mis", "strategy/scatter"],

@@ -1,5 +1,6 @@
-// One primitive against one ray: shared by every traversal, by closest and any hit.
+// One primitive against one ray: shared by every traversal.
 #import geometry/primitive
+#import geometry/tree_ray
 #if TRIANGLES
 #import geometry/triangle
 #endif
@@ -10,44 +11,63 @@
 #import material/alpha
 #endif
 
+// At equal distance: whether p precedes the best hit's primitive in scene order, so
+// that the result does not depend on the tree.
+fn leaf_comes_first(p: Primitive, best: u32) -> bool {
+    return best != INVALID && primitive_source(p) < primitive_source(primitive_load(best));
+}
+
 #if TRIANGLES
-// `best`, or the hit on triangle `index` where it comes first. (o, d) is the
-// ray in the triangle's own space. Equal distances go to the primitive that
-// comes first in the scene, so that the result does not depend on the tree.
-fn leaf_triangle(ray: Ray, o: vec3<f32>, d: vec3<f32>, index: u32, instance: u32, best: Hit) -> Hit {
-    let p = primitive_load(index);
-    let h = triangle_hit(o, d, primitive_point(p.a), primitive_point(p.b), primitive_point(p.c));
-    if !(h.t > 0.0 && h.t <= best.t) {
-        return best;
+// The hit of the ray on a triangle, t < 0 for none.
+fn leaf_triangle_hit(tree: TreeRay, p: Primitive) -> TriangleHit {
+    let p0 = primitive_point(p.a) - tree.origin;
+    let p1 = primitive_point(p.b) - tree.origin;
+    let p2 = primitive_point(p.c) - tree.origin;
+    let weights = triangle_weights(tree.direction, tree.shear, p0, p1, p2);
+    var hit = TriangleHit(-1.0, 0.0, 0.0);
+    if weights.is_inside && triangle_has_area(p) {
+        hit = triangle_resolve(tree.direction, p0, p1, p2, weights.w);
     }
-    if h.t == best.t && !leaf_comes_first(p, best) {
-        return best;
-    }
-    let hit = Hit(h.t, h.u, h.v, index, instance, false);
-#if ALPHA
-    if !alpha_accepts(ray, p, hit) {
-        return best;
-    }
-#endif
     return hit;
 }
-#endif
 
-#if SPHERES
-fn leaf_sphere(ray: Ray, index: u32, best: Hit) -> Hit {
-    let p = primitive_load(index);
-    let t = sphere_record_hit(ray.origin, ray.direction, p);
-    if !(t > 0.0 && t <= best.t) || (t == best.t && !leaf_comes_first(p, best)) {
-        return best;
-    }
-    return Hit(t, 0.0, 0.0, index, INVALID, true);
+fn triangle_has_area(p: Primitive) -> bool {
+    let a = primitive_point(p.a);
+    return any(cross(primitive_point(p.b) - a, primitive_point(p.c) - a) != vec3<f32>(0.0));
 }
 #endif
 
-// At equal distance: whether p precedes the best hit's primitive in scene order.
-fn leaf_comes_first(p: Primitive, best: Hit) -> bool {
-    if best.primitive == INVALID {
-        return false;
+// Replaces `best` by the hit on primitive `index`, if that comes first.
+fn leaf_closest(ray: Ray, tree: TreeRay, kind: u32, p: Primitive, index: u32, best: ptr<function, Hit>) {
+#if TRIANGLES
+    if kind == LINK_KIND_TRIANGLE {
+        let h = leaf_triangle_hit(tree, p);
+        leaf_accept(ray, p, Hit(h.t, h.u, h.v, index, tree.instance), best);
     }
-    return primitive_source(p) < primitives[3u * best.primitive + 2u].w;
+#endif
+#if SPHERES
+    if kind == LINK_KIND_SPHERE {
+        let t = sphere_record_hit(tree.origin, tree.direction, p);
+        leaf_accept(ray, p, Hit(t, 0.0, 0.0, index, HIT_SPHERE), best);
+    }
+#endif
+}
+
+fn leaf_accept(ray: Ray, p: Primitive, hit: Hit, best: ptr<function, Hit>) {
+    if hit.t > 0.0 && hit.t <= (*best).t {
+        var comes_first = hit.t < (*best).t || leaf_comes_first(p, (*best).primitive);
+#if ALPHA
+        comes_first = comes_first && alpha_accepts(ray, p, hit);
+#endif
+        if comes_first {
+            *best = hit;
+        }
+    }
+}
+
+// Whether the ray is stopped by a primitive in (0, ray.t_max).
+fn leaf_blocks(ray: Ray, tree: TreeRay, kind: u32, p: Primitive, index: u32) -> bool {
+    var best = hit_none(ray);
+    leaf_closest(ray, tree, kind, p, index, &best);
+    return best.primitive != INVALID;
 }

@@ -4,7 +4,7 @@
 // Triangle: three vertices. Sphere: centre, or the anchor; (radius, is anchored, -);
 // the anchor's normal. The fourth words are alike: material, with
 // PRIMITIVE_HAS_ALPHA; light or INVALID; the index in scene order.
-@group(0) @binding(3) var<storage, read> primitives: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read> primitives: array<vec2<u32>>;
 
 struct Primitive {
     a: vec4<u32>,
@@ -13,8 +13,12 @@ struct Primitive {
 }
 
 fn primitive_load(index: u32) -> Primitive {
-    let i = 3u * index;
-    return Primitive(primitives[i], primitives[i + 1u], primitives[i + 2u]);
+    let i = 6u * index;
+    return Primitive(
+        vec4<u32>(primitives[i], primitives[i + 1u]),
+        vec4<u32>(primitives[i + 2u], primitives[i + 3u]),
+        vec4<u32>(primitives[i + 4u], primitives[i + 5u]),
+    );
 }
 
 fn primitive_material(p: Primitive) -> u32 {

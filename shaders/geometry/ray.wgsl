@@ -17,10 +17,12 @@ struct Hit {
     v: f32,
     // Record in `primitives`, or INVALID for a miss.
     primitive: u32,
-    // Index of the instance's record in `nodes`, or INVALID for geometry placed in world space.
+    // The instance's record in `nodes`; INVALID for triangles in world space; HIT_SPHERE.
     instance: u32,
-    is_sphere: bool,
 }
+
+// In place of an instance: the primitive is a sphere.
+const HIT_SPHERE: u32 = 0xfffffffeu;
 
 const T_INFINITY: f32 = 3.4028234e38;
 
@@ -29,7 +31,7 @@ fn ray_new(origin: vec3<f32>, direction: vec3<f32>) -> Ray {
 }
 
 fn hit_none(ray: Ray) -> Hit {
-    return Hit(ray.t_max, 0.0, 0.0, INVALID, INVALID, false);
+    return Hit(ray.t_max, 0.0, 0.0, INVALID, INVALID);
 }
 
 // The point from which a ray along `direction` leaves a surface: moved off it by

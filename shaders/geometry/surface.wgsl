@@ -47,12 +47,12 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
     s.wo = -normalize(ray.direction);
     s.color = vec4<f32>(1.0);
 #if TRIANGLES
-    if !hit.is_sphere {
+    if hit.instance != HIT_SPHERE {
         s = surface_triangle(s, p, hit);
     }
 #endif
 #if SPHERES
-    if hit.is_sphere {
+    if hit.instance == HIT_SPHERE {
         s = surface_sphere(s, p, ray, hit);
     }
 #endif

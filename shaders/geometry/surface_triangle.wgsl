@@ -2,7 +2,7 @@
 // vertices: it lies in the triangle's plane however far the ray came.
 #import geometry/surface
 #if INSTANCES
-#import geometry/bvh
+#import geometry/nodes
 #endif
 #if ATTRIBUTES
 #import geometry/attributes
@@ -74,12 +74,12 @@ fn surface_uv_tangent(c: Corners, e1: vec3<f32>, e2: vec3<f32>) -> vec4<f32> {
 // From the instance's object space to world space.
 fn surface_to_world(surface: Surface, extent: vec3<f32>, record: u32) -> Surface {
     var s = surface;
-    let ox = bitcast<vec4<f32>>(nodes[record + 2u]).xyz;
-    let oy = bitcast<vec4<f32>>(nodes[record + 3u]).xyz;
-    let oz = bitcast<vec4<f32>>(nodes[record + 4u]).xyz;
-    let x = bitcast<vec4<f32>>(nodes[record + 5u]);
-    let y = bitcast<vec4<f32>>(nodes[record + 6u]);
-    let z = bitcast<vec4<f32>>(nodes[record + 7u]);
+    let ox = bitcast<vec4<f32>>(node_word(record + 2u)).xyz;
+    let oy = bitcast<vec4<f32>>(node_word(record + 3u)).xyz;
+    let oz = bitcast<vec4<f32>>(node_word(record + 4u)).xyz;
+    let x = bitcast<vec4<f32>>(node_word(record + 5u));
+    let y = bitcast<vec4<f32>>(node_word(record + 6u));
+    let z = bitcast<vec4<f32>>(node_word(record + 7u));
     let p = vec4<f32>(s.position, 1.0);
     s.position = vec3<f32>(dot(x, p), dot(y, p), dot(z, p));
     // Rounding of the sums above, as well as of the object's own coordinates.

@@ -1,9 +1,16 @@
 // Ray against triangle: Möller-Trumbore made watertight. Its Rust twin, with the
 // derivation of the constants, is src/bvh/triangle.rs.
 #import math/math
+#import geometry/shear
+
+// What the weights of the vertices say of the line; not yet whether t is in range.
+struct TriangleWeights {
+    // Of the three vertices, all of one sign where the line meets the triangle.
+    w: vec3<f32>,
+    is_inside: bool,
+}
 
 struct TriangleHit {
-    // Ray parameter; negative for a miss.
     t: f32,
     // Barycentric weights of the second and third vertex.
     u: f32,
@@ -15,20 +22,6 @@ const UNCERTAINTY: f32 = 1.52587890625e-5;
 const UNCERTAINTY_FLOOR: f32 = 1.9073486328125e-6;
 // Quotients beyond this are not formed.
 const GREATEST_T: f32 = 1e30;
-
-// Which component of d has the largest magnitude: 2, 0 or 1 for z, x, y.
-fn triangle_major(d: vec3<f32>) -> u32 {
-    let m = abs(d);
-    if m.z >= max(m.x, m.y) {
-        return 2u;
-    }
-    return select(1u, 0u, m.x >= m.y);
-}
-
-// Rotates the components so that the major one comes last.
-fn triangle_rotate(v: vec3<f32>, major: u32) -> vec3<f32> {
-    return select(select(v.zxy, v.yzx, major == 0u), v, major == 2u);
-}
 
 // Both ends in one canonical order: neighbours get opposite results to the bit
 // also where a compiler fuses one product with the difference.
@@ -42,41 +35,23 @@ fn triangle_edge(a: vec2<f32>, b: vec2<f32>) -> f32 {
 
 // Edge functions of the vertices sheared along d into a plane (Woop, Benthin and
 // Wald 2013): each vertex by itself, so neighbours agree on a shared edge.
-fn triangle_sheared_weights(d: vec3<f32>, p0: vec3<f32>, p1: vec3<f32>, p2: vec3<f32>) -> vec3<f32> {
-    let major = triangle_major(d);
-    let r = triangle_rotate(d, major);
-    let s = r.xy / r.z;
-    let a3 = triangle_rotate(p0, major);
-    let b3 = triangle_rotate(p1, major);
-    let c3 = triangle_rotate(p2, major);
-    let a = a3.xy - s * a3.z;
-    let b = b3.xy - s * b3.z;
-    let c = c3.xy - s * c3.z;
-    return r.z * vec3<f32>(triangle_edge(b, c), triangle_edge(c, a), triangle_edge(a, b));
+fn triangle_sheared_weights(s: Shear, p0: vec3<f32>, p1: vec3<f32>, p2: vec3<f32>) -> vec3<f32> {
+    let a = shear_apply(s, p0);
+    let b = shear_apply(s, p1);
+    let c = shear_apply(s, p2);
+    return s.major * vec3<f32>(triangle_edge(b, c), triangle_edge(c, a), triangle_edge(a, b));
 }
 
-// Where the line o + t d meets the plane, kept within the vertices' range; by the
-// weights where the determinant is all error.
-fn triangle_distance(d: vec3<f32>, p: mat3x3<f32>, b: vec3<f32>, height: f32, det: f32) -> f32 {
-    let along = (d * p) / dot(d, d);
-    if abs(height) / GREATEST_T >= abs(det) {
-        return dot(b, along);
-    }
-    let least = min(along.x, min(along.y, along.z));
-    return min(max(height / det, least), max_component(along));
+fn triangle_is_mixed(w: vec3<f32>, tolerance: f32) -> bool {
+    return min(w.x, min(w.y, w.z)) < -tolerance && max(w.x, max(w.y, w.z)) > tolerance;
 }
 
-// Meets the triangle from either side with the line o + t d. d need not be a unit vector.
-fn triangle_hit(o: vec3<f32>, d: vec3<f32>, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> TriangleHit {
-    let miss = TriangleHit(-1.0, 0.0, 0.0);
-    let p0 = v0 - o;
-    let p1 = v1 - o;
-    let p2 = v2 - o;
+// Whether the line o + t d meets the triangle, from either side. Vertices relative to o.
+fn triangle_weights(d: vec3<f32>, shear: Shear, p0: vec3<f32>, p1: vec3<f32>, p2: vec3<f32>) -> TriangleWeights {
     let e1 = p1 - p0;
     let e2 = p2 - p0;
     let q = cross(d, p0);
-    let n = cross(e1, e2);
-    let det = dot(d, n);
+    let det = dot(d, cross(e1, e2));
     let w1 = -dot(q, e2);
     let w2 = dot(q, e1);
     var w = vec3<f32>(det - w1 - w2, w1, w2);
@@ -85,27 +60,30 @@ fn triangle_hit(o: vec3<f32>, d: vec3<f32>, v0: vec3<f32>, v1: vec3<f32>, v2: ve
     let edge = max(abs(e1), abs(e2));
     let vertex_size = size.x + size.y + size.z;
     let edge_size = edge.x + edge.y + edge.z;
-    let uncertain = UNCERTAINTY * max_component(abs(d)) * vertex_size
+    let uncertain = UNCERTAINTY * abs(shear.major) * vertex_size
         * (edge_size + UNCERTAINTY_FLOOR * vertex_size);
-    if min(w.x, min(w.y, w.z)) < -uncertain && max_component(w) > uncertain {
-        return miss;
-    }
     let magnitude = abs(w);
-    if min(magnitude.x, min(magnitude.y, magnitude.z)) <= uncertain {
-        // A triangle without area has no normal: its neighbours cover it.
-        if all(cross(v1 - v0, v2 - v0) == vec3<f32>(0.0)) {
-            return miss;
-        }
-        w = triangle_sheared_weights(d, p0, p1, p2);
-        if min(w.x, min(w.y, w.z)) < 0.0 && max_component(w) > 0.0 {
-            return miss;
-        }
+    var is_inside = !triangle_is_mixed(w, uncertain);
+    if is_inside && min(magnitude.x, min(magnitude.y, magnitude.z)) <= uncertain {
+        w = triangle_sheared_weights(shear, p0, p1, p2);
+        is_inside = !triangle_is_mixed(w, 0.0);
     }
+    return TriangleWeights(w, is_inside);
+}
+
+// Distance and barycentric weights of a line that meets the triangle; t < 0 where
+// the triangle has no area, and its neighbours cover it. The distance is that of the
+// plane, kept within the vertices' range; where the determinant is all error, it
+// goes by the weights.
+fn triangle_resolve(d: vec3<f32>, p0: vec3<f32>, p1: vec3<f32>, p2: vec3<f32>, w: vec3<f32>) -> TriangleHit {
+    let n = cross(p1 - p0, p2 - p0);
     let total = w.x + w.y + w.z;
-    if total == 0.0 {
-        return miss;
-    }
     let b = w / total;
-    let t = triangle_distance(d, mat3x3<f32>(p0, p1, p2), b, dot(n, p0), det);
-    return TriangleHit(t, b.y, b.z);
+    let along = vec3<f32>(dot(p0, d), dot(p1, d), dot(p2, d)) / dot(d, d);
+    let height = dot(n, p0);
+    let det = dot(d, n);
+    let least = min(along.x, min(along.y, along.z));
+    let planar = min(max(height / det, least), max_component(along));
+    let t = select(planar, dot(b, along), abs(height) / GREATEST_T >= abs(det));
+    return TriangleHit(select(t, -1.0, total == 0.0), b.y, b.z);
 }

@@ -113,10 +113,10 @@ fn light_sample(s: Surface, u: vec2<f32>, choice: f32) -> LightSample {
 }
 
 // Density with which light_sample at `from` would have found the emitting surface `s` that a ray met.
-fn light_surface_pdf(s: Surface, hit_is_sphere: bool, from_point: vec3<f32>) -> f32 {
+fn light_surface_pdf(s: Surface, from_point: vec3<f32>) -> f32 {
     let l = lights[s.light];
 #if LIGHT_SPHERES
-    if hit_is_sphere {
+    if l.kind == LIGHT_SPHERE {
         return light_sphere_pdf(l, s, from_point);
     }
 #endif

@@ -3,7 +3,7 @@
 use super::flags::InfoFlags;
 use super::talk::{self, size};
 use std::process::ExitCode;
-use steradian::gpu::{Device, DeviceInfo, SceneBuffers};
+use steradian::gpu::{Device, DeviceInfo, SceneBuffers, TreeWidth};
 use steradian::scene::gltf::{LoadOptions, load_with};
 use steradian::scene::{Camera, Environment, LightKind, Projection, Scene, Treatment};
 use steradian::shader::Features;
@@ -17,7 +17,7 @@ pub(super) fn run(flags: &InfoFlags) -> Result<ExitCode> {
     lines.extend(scene.cameras.iter().enumerate().map(|(i, c)| ("camera", camera(i, c))));
     lines.extend(notices(&scene));
     lines.push(("features", Features::of(&scene, &settings).to_string()));
-    let buffers = SceneBuffers::build(&scene, &settings)?;
+    let buffers = SceneBuffers::build(&scene, &settings, TreeWidth::Two)?;
     lines.push(("tree", tree(&buffers)));
     lines.extend(memory(&buffers, flags.device.as_deref()));
     let text: String = lines.iter().map(|(name, text)| format!("{name:<13} {text}\n")).collect();

@@ -149,6 +149,14 @@ impl Device {
         Ok(Self { device, queue, info, failure })
     }
 
+    /// Whether packets pay: a processor whose vector registers hold subgroups of eight.
+    /// There, shared loads cost less than divergent ones; on GPUs it is the reverse.
+    pub fn traces_packets(&self) -> bool {
+        self.info.kind == DeviceKind::Cpu
+            && self.info.subgroup_size == (8, 8)
+            && self.device.features().contains(wgpu::Features::SUBGROUP)
+    }
+
     /// About the adapter.
     pub fn info(&self) -> &DeviceInfo {
         &self.info

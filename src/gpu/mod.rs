@@ -8,6 +8,7 @@ mod materials;
 mod pipeline;
 mod scene;
 mod types;
+mod wide;
 mod world;
 mod world_source;
 
@@ -15,4 +16,4 @@ pub use device::{Device, DeviceInfo, DeviceKind};
 pub use pipeline::{Kernel, validate};
 pub use scene::{GpuScene, SceneBuffers};
 pub use types::{GpuCamera, GpuFilmPixel, GpuFrame, GpuLight, GpuMaterial, layouts};
-pub use world::{World, WorldStatistics};
+pub use world::{TreeWidth, World, WorldStatistics};

@@ -1,7 +1,7 @@
 //! The scene's buffers.
 
 use super::limits::check_binding;
-use super::world::World;
+use super::world::{TreeWidth, World};
 use super::{Device, environment, lights, materials};
 use crate::Result;
 use crate::scene::{Environment, Scene};
@@ -27,8 +27,8 @@ impl SceneBuffers {
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
-    pub fn build(scene: &Scene, settings: &RenderSettings) -> Result<Self> {
-        let world = World::build(scene, settings.accel)?;
+    pub fn build(scene: &Scene, settings: &RenderSettings, width: TreeWidth) -> Result<Self> {
+        let world = World::build(scene, settings.accel, width)?;
         let environment = scene.environment.as_ref().map(environment::build);
         let integral = environment.as_ref().map_or(0.0, |e| e.luminous_integral);
         let lights = lights::build(scene, &world.emitters, integral);

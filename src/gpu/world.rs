@@ -4,6 +4,7 @@
 //! with the spheres, in the leaves of the top tree. Meshes that many instances share
 //! have a tree of their own in object space; their instances are leaves of the top tree.
 
+use super::wide;
 use super::world_source::{Sources, Triangle};
 use crate::bvh::{Aabb, BuildItem, Bvh, LEAF_BIT, PrimitiveKind, build_median, build_sah};
 use crate::scene::Scene;
@@ -30,6 +31,17 @@ pub struct World {
     /// What emits, in the order of the lights.
     pub emitters: Vec<Emitter>,
     statistics: WorldStatistics,
+    width: TreeWidth,
+}
+
+/// Children of a node on the device.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum TreeWidth {
+    /// As built: for threads that walk alone.
+    #[default]
+    Two,
+    /// Two levels in one: for packets.
+    Four,
 }
 
 /// Counts of a [`World`].
@@ -87,7 +99,7 @@ impl World {
     ///
     /// # Errors
     /// [`Error::Limit`] if there are more primitives than a tree can address.
-    pub fn build(scene: &Scene, accel: Accel) -> Result<Self> {
+    pub fn build(scene: &Scene, accel: Accel, width: TreeWidth) -> Result<Self> {
         let sources = Sources::gather(scene, accel != Accel::None);
         let limit = crate::bvh::MAX_ITEMS;
         if sources.count() > limit {
@@ -97,12 +109,13 @@ impl World {
                  split or simplify the scene"
             )));
         }
-        let mut world = World { emitters: sources.emitters.clone(), ..Self::default() };
+        let mut world = World { emitters: sources.emitters.clone(), width, ..Self::default() };
         (world.attributes, world.attribute_base, world.attribute_stride) = sources.attributes();
         world.statistics.triangle_count = sources.triangle_count();
         world.statistics.sphere_count = sources.spheres.len();
         world.statistics.instance_count = sources.instances.len();
         if accel == Accel::None {
+            world.nodes = vec![[0; 4]; TREE_RECORD_SIZE as usize];
             world.primitives =
                 sources.top.iter().map(|t| triangle_record(t, scene)).flatten().collect();
             world.primitives.extend(sources.sphere_records().into_iter().flatten());
@@ -151,11 +164,16 @@ impl World {
             self.write_rows(record + 5, i.world_from_object);
         }
         let deepest = below.iter().map(|t| t.bvh.depth).max().unwrap_or(0);
+        let deepest_wide = below.iter().map(|t| wide::depth(&t.bvh)).max().unwrap_or(0);
         self.statistics.tree_depth = top.bvh.depth + deepest;
         self.statistics.node_count =
             top.bvh.nodes.len() + below.iter().map(|t| t.bvh.nodes.len()).sum::<usize>();
-        // One link a level, the end mark, and the mark of the way back from an instance.
-        self.stack_size = self.statistics.tree_depth + 2;
+        // At most one link a level for every child but the one that is entered, the end
+        // mark, and the mark of the way back from an instance.
+        self.stack_size = match self.width {
+            TreeWidth::Two => self.statistics.tree_depth + 2,
+            TreeWidth::Four => 3 * (wide::depth(&top.bvh) + deepest_wide) + 2,
+        };
     }
 
     /// Appends a tree's nodes and records; gives the link to its root. `instance_records`
@@ -163,10 +181,7 @@ impl World {
     fn append(&mut self, tree: &Tree, instance_records: &[u32]) -> u32 {
         let base = self.nodes.len() as u32;
         let first_instance = tree.records.len() - instance_records.len();
-        let relocate = |link: u32| {
-            if link & LEAF_BIT == 0 {
-                return base + 2 * link;
-            }
+        let relocate_leaf = |link: u32| {
             let first = link & crate::bvh::LEAF_FIRST_MASK;
             let item = tree.order_at(first);
             let first = if item >= first_instance && !instance_records.is_empty() {
@@ -176,9 +191,20 @@ impl World {
             };
             link & !crate::bvh::LEAF_FIRST_MASK | first
         };
-        for node in &tree.bvh.nodes {
-            for c in node.children {
-                self.nodes.push([c.x, c.y, c.z, relocate(c.link)]);
+        match self.width {
+            TreeWidth::Two => {
+                for c in tree.bvh.nodes.iter().flat_map(|n| n.children) {
+                    let is_leaf = c.link & LEAF_BIT != 0;
+                    let link = if is_leaf { relocate_leaf(c.link) } else { base + 2 * c.link };
+                    self.nodes.push([c.x, c.y, c.z, link]);
+                }
+            }
+            TreeWidth::Four => {
+                for c in wide::collapse(&tree.bvh).into_iter().flatten() {
+                    let is_leaf = c.link & LEAF_BIT != 0;
+                    let link = if is_leaf { relocate_leaf(c.link) } else { base + 4 * c.link };
+                    self.nodes.push([c.x, c.y, c.z, link]);
+                }
             }
         }
         self.primitives.extend(tree.bvh.order.iter().flat_map(|&i| tree.records[i as usize]));

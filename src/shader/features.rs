@@ -66,6 +66,8 @@ features! {
     Nee = "NEE",
     /// More than one light sample at a vertex.
     ManyLightSamples = "MANY_LIGHT_SAMPLES",
+    /// The threads of a subgroup of eight walk a tree of four children a node together.
+    Packets = "PACKETS",
     /// Every primitive is tested, without a tree.
     BruteForce = "BRUTE_FORCE",
     /// Strategy `mis`.
@@ -93,7 +95,7 @@ impl Feature {
         use Feature::*;
         matches!(
             self,
-            BruteForce | Nee | ManyLightSamples | Mis | LightOnly | ScatterOnly | Hemisphere | Roulette | Sobol
+            Packets | BruteForce | Nee | ManyLightSamples | Mis | LightOnly | ScatterOnly | Hemisphere | Roulette | Sobol
         )
     }
 }
