@@ -4,9 +4,8 @@
 CARGO ?= cargo
 OUT ?= out
 # Square pictures: resolution and samples per pixel.
-DEMO_RESOLUTION ?= 384x384
-DEMO_SPP ?= 64
-GALLERY_RESOLUTION ?= 512x512
+DEMO_RESOLUTION ?= 320x320
+DEMO_SPP ?= 48
 GALLERY_SPP ?= 256
 BENCH_SCENE ?= scenes/cornell-spheres/cornell-spheres.gltf
 
@@ -23,7 +22,7 @@ setup: ## Install lavapipe if no Vulkan device is found
 
 demo: setup ## Render a bundled scene to out/demo.png
 	@mkdir -p $(OUT)
-	$(CARGO) run --release -- render scenes/cornell-spheres/cornell-spheres.gltf \
+	$(CARGO) run --release -- render scenes/statue/statue.gltf \
 		-o $(OUT)/demo.png --resolution $(DEMO_RESOLUTION) --spp $(DEMO_SPP)
 
 test: setup ## Run all tests
@@ -35,7 +34,7 @@ gallery: setup ## Render every bundled scene into out/gallery/
 	@set -e; for scene in $(SCENES); do \
 		target/release/steradian render "$$scene" \
 			-o "$(OUT)/gallery/$$(basename "$${scene%.*}").png" \
-			--resolution $(GALLERY_RESOLUTION) --spp $(GALLERY_SPP); \
+			--spp $(GALLERY_SPP); \
 	done
 
 scenes: ## Write the bundled scenes anew from their description

@@ -8,8 +8,8 @@ use crate::gpu::{Device, GpuFilmPixel, GpuFrame, GpuScene, SceneBuffers, TreeWid
 use crate::passes::PathTrace;
 use crate::scene::Scene;
 use crate::settings::{Accel, RenderSettings};
-use crate::shader::{Feature, Features};
 use crate::shader::generated::{Fault, INVALID};
+use crate::shader::{Feature, Features};
 use crate::{Error, Result};
 use schedule::Schedule;
 use std::sync::Arc;
@@ -100,8 +100,7 @@ impl Renderer {
         let frame = frame(scene, settings, &buffers);
         let stack_size = buffers.world.stack_size.max(1);
         let region = schedule.region_tiles();
-        let mut pass =
-            PathTrace::new(&device, &gpu_scene, features, stack_size, frame, region)?;
+        let mut pass = PathTrace::new(&device, &gpu_scene, features, stack_size, frame, region)?;
         pass.clear(&device);
         pass.run(&device, Schedule::warm_up())?;
         let compile_seconds = begin.elapsed().as_secs_f64();

@@ -36,7 +36,7 @@ fn direct_sample(s: Surface, b: Bsdf, frame_s: mat3x3<f32>, sampler_s: Sampler, 
         v = sampler_light(sampler_s, bounce, number);
     }
 #endif
-    let l = light_sample(s, v, sampler_choice(sampler_s, bounce | (number << 16u)).y);
+    let l = light_sample(s, v, sampler_choice(sampler_s, bounce, number).y);
     // Light from behind the true surface would leak through it.
     if max_component(l.weight) <= 0.0 || dot(l.wi, s.ng) <= 0.0 {
         return d;

@@ -21,14 +21,19 @@ fn sampler_seeds(s: Sampler, group: u32, bounce: u32) -> vec4<u32> {
     return pcg4d(vec4<u32>(s.pixel, frame.seed, group, bounce));
 }
 
+// Where on a path numbers are drawn: the bounce, 12 bits, and the number of the light sample.
+fn sampler_place(bounce: u32, light_sample: u32) -> u32 {
+    return bounce | (light_sample << 12u);
+}
+
 // Four independent numbers of this sample.
-fn sampler_hash(s: Sampler, group: u32, bounce: u32) -> vec4<u32> {
-    return pcg4d(vec4<u32>(s.pixel, frame.seed, group | (bounce << 8u), s.sample_index ^ 0x9e3779b9u));
+fn sampler_hash(s: Sampler, group: u32, place: u32) -> vec4<u32> {
+    return pcg4d(vec4<u32>(s.pixel, frame.seed, group | (place << 4u), s.sample_index ^ 0x9e3779b9u));
 }
 
 // Choices at a vertex: x roulette, y which light, when there are many.
-fn sampler_choice(s: Sampler, bounce: u32) -> vec4<f32> {
-    return uniform_from_bits(sampler_hash(s, GROUP_CHOICE, bounce));
+fn sampler_choice(s: Sampler, bounce: u32, light_sample: u32) -> vec4<f32> {
+    return uniform_from_bits(sampler_hash(s, GROUP_CHOICE, sampler_place(bounce, light_sample)));
 }
 
 // Seed of the path segment's alpha tests.

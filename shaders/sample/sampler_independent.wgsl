@@ -13,5 +13,5 @@ fn sampler_vertex(s: Sampler, bounce: u32) -> vec4<f32> {
 
 // For the light sample number `light_sample` > 0 of a vertex.
 fn sampler_light(s: Sampler, bounce: u32, light_sample: u32) -> vec2<f32> {
-    return uniform_from_bits(sampler_hash(s, GROUP_LIGHT + 16u * light_sample, bounce)).xy;
+    return uniform_from_bits(sampler_hash(s, GROUP_LIGHT, sampler_place(bounce, light_sample))).xy;
 }

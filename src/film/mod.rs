@@ -120,8 +120,7 @@ impl Film {
     /// The picture's error by its own samples. `None` before there are two whole blocks.
     pub fn estimated_error(&self) -> Option<ErrorEstimate> {
         let n = self.sum.len() as f64;
-        let mean_luminance =
-            (0..self.sum.len()).map(|i| luminance(self.mean(i))).sum::<f64>() / n;
+        let mean_luminance = (0..self.sum.len()).map(|i| luminance(self.mean(i))).sum::<f64>() / n;
         let floor = (ERROR_FLOOR * mean_luminance).powi(2);
         let mut relmse = 0.0;
         for i in 0..self.sum.len() {

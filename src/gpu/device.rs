@@ -132,8 +132,8 @@ impl Device {
             ..Default::default()
         };
         let opened = pollster::block_on(adapter.request_device(&descriptor));
-        let (device, queue) = opened
-            .map_err(|e| Error::NoDevice(format!("{} cannot be opened: {e}", info.name)))?;
+        let (device, queue) =
+            opened.map_err(|e| Error::NoDevice(format!("{} cannot be opened: {e}", info.name)))?;
         let failure = Arc::new(Mutex::new(None));
         let keep_first = |failure: &Arc<Mutex<Option<String>>>, message: String| {
             failure.lock().unwrap().get_or_insert(message);

@@ -36,9 +36,11 @@ pub(super) fn build(map: &Environment) -> EnvironmentMap {
     for y in 0..h {
         tables.extend(cumulative(&mean[y * w..(y + 1) * w]));
     }
-    words.extend(tables.chunks(4).map(|four| {
-        std::array::from_fn(|k| four.get(k).copied().unwrap_or(0.0_f32).to_bits())
-    }));
+    words.extend(
+        tables
+            .chunks(4)
+            .map(|four| std::array::from_fn(|k| four.get(k).copied().unwrap_or(0.0_f32).to_bits())),
+    );
     EnvironmentMap { words, luminous_integral }
 }
 

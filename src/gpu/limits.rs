@@ -7,7 +7,12 @@ use crate::{Error, Result};
 ///
 /// # Errors
 /// [`Error::Limit`] with both numbers and the remedy.
-pub(super) fn check_binding(info: &DeviceInfo, what: &str, bytes: usize, remedy: &str) -> Result<()> {
+pub(super) fn check_binding(
+    info: &DeviceInfo,
+    what: &str,
+    bytes: usize,
+    remedy: &str,
+) -> Result<()> {
     let mebibytes = |b: u64| b as f64 / 1_048_576.0;
     if bytes as u64 <= info.max_binding_size {
         return Ok(());

@@ -1,6 +1,6 @@
 //! A tree with four children a node: two levels of a binary one in each.
 
-use crate::bvh::{BvhChild, BvhNode, Bvh, LEAF_BIT, LEAF_KIND_SHIFT, PrimitiveKind};
+use crate::bvh::{Bvh, BvhChild, BvhNode, LEAF_BIT, LEAF_KIND_SHIFT, PrimitiveKind};
 
 /// A child that no ray meets, with nothing in it: its lower planes are above its upper ones.
 const EMPTY: BvhChild = BvhChild {
@@ -47,7 +47,8 @@ fn expand(bvh: &Bvh, node: u32) -> Vec<BvhChild> {
     let mut list = children(&bvh.nodes[node as usize]);
     while list.len() < 4 {
         let inner = (0..list.len()).filter(|&i| list[i].link & LEAF_BIT == 0);
-        let Some(largest) = inner.max_by(|&a, &b| area(bvh, &list[a]).total_cmp(&area(bvh, &list[b])))
+        let Some(largest) =
+            inner.max_by(|&a, &b| area(bvh, &list[a]).total_cmp(&area(bvh, &list[b])))
         else {
             break;
         };

@@ -6,7 +6,10 @@
 
 use super::wide;
 use super::world_source::{Sources, Triangle};
-use crate::bvh::{Aabb, BuildItem, Bvh, LEAF_BIT, PrimitiveKind, build_median, build_sah};
+use crate::bvh::{
+    Aabb, BuildItem, Bvh, LEAF_BIT, LEAF_FIRST_MASK, LEAF_KIND_MASK, LEAF_KIND_SHIFT,
+    PrimitiveKind, build_median, build_sah,
+};
 use crate::scene::Scene;
 use crate::settings::Accel;
 use crate::shader::generated::{PRIMITIVE_HAS_ALPHA, TREE_RECORD_SIZE};
@@ -116,8 +119,7 @@ impl World {
         world.statistics.instance_count = sources.instances.len();
         if accel == Accel::None {
             world.nodes = vec![[0; 4]; TREE_RECORD_SIZE as usize];
-            world.primitives =
-                sources.top.iter().map(|t| triangle_record(t, scene)).flatten().collect();
+            world.primitives = sources.top.iter().flat_map(|t| triangle_record(t, scene)).collect();
             world.primitives.extend(sources.sphere_records().into_iter().flatten());
             return Ok(world);
         }
@@ -182,14 +184,14 @@ impl World {
         let base = self.nodes.len() as u32;
         let first_instance = tree.records.len() - instance_records.len();
         let relocate_leaf = |link: u32| {
-            let first = link & crate::bvh::LEAF_FIRST_MASK;
-            let item = tree.order_at(first);
-            let first = if item >= first_instance && !instance_records.is_empty() {
-                instance_records[item - first_instance]
+            let first = link & LEAF_FIRST_MASK;
+            let kind = link >> LEAF_KIND_SHIFT & LEAF_KIND_MASK;
+            let first = if kind == PrimitiveKind::Instance as u32 {
+                instance_records[tree.bvh.order[first as usize] as usize - first_instance]
             } else {
                 tree.first_record + first
             };
-            link & !crate::bvh::LEAF_FIRST_MASK | first
+            link & !LEAF_FIRST_MASK | first
         };
         match self.width {
             TreeWidth::Two => {
@@ -222,13 +224,6 @@ impl World {
         for (k, row) in [a.row(0), a.row(1), a.row(2)].into_iter().enumerate() {
             self.nodes[at + k] = [row.x, row.y, row.z, t[k]].map(f32::to_bits);
         }
-    }
-}
-
-impl Tree {
-    /// The item at a place of the leaves' order; the number of items beyond its end.
-    fn order_at(&self, place: u32) -> usize {
-        self.bvh.order.get(place as usize).map_or(self.records.len(), |&i| i as usize)
     }
 }
 

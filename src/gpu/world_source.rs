@@ -150,9 +150,10 @@ impl Sources {
         let uv = |set: &[glam::Vec2], i: usize| set.get(i).map_or([0.0; 2], |v| v.to_array());
         for i in 0..mesh.positions.len() {
             let normal = mesh.normals.get(i).map_or(Vec3::ZERO, |&n| turn(inverse_transpose, n));
-            let tangent = mesh.tangents.get(i).map_or(Vec4::ZERO, |t| {
-                turn(placement.matrix3, t.truncate()).extend(t.w * side)
-            });
+            let tangent = mesh
+                .tangents
+                .get(i)
+                .map_or(Vec4::ZERO, |t| turn(placement.matrix3, t.truncate()).extend(t.w * side));
             let ([u0, v0], [u1, v1]) = (uv(&mesh.uvs[0], i), uv(&mesh.uvs[1], i));
             let color = mesh.colors.get(i).copied().unwrap_or(Vec4::ONE);
             self.vertices.push(Vertex { normal, uv: [u0, v0, u1, v1], color, tangent });

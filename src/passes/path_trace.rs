@@ -47,7 +47,7 @@ impl PathTrace {
     }
 
     /// Column and row within the window of the pixel at `local` of a tile; the
-    /// inverse of `path_pixel` in the shader.
+    /// inverse of `tile_pixel` in `film/tile.wgsl`.
     pub fn pixel(tile: u32, local: u32, tiles_across: u32) -> (u32, u32) {
         let x = (local & 3) | (local >> 1 & 4);
         let y = (local >> 2 & 1) | (local >> 3 & 6);
@@ -79,11 +79,8 @@ impl PathTrace {
             })
         };
         use wgpu::BufferUsages as Usage;
-        let frame_buffer = buffer(
-            "frame",
-            size_of::<GpuFrame>() as u64,
-            Usage::UNIFORM | Usage::COPY_DST,
-        );
+        let frame_buffer =
+            buffer("frame", size_of::<GpuFrame>() as u64, Usage::UNIFORM | Usage::COPY_DST);
         let film_bytes = Self::film_bytes(region_tiles);
         let film_buffer =
             buffer("film", film_bytes, Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST);
@@ -112,11 +109,7 @@ impl PathTrace {
     pub fn clear(&self, device: &Device) {
         let empty = GpuFilmPixel { fault_sample: INVALID, ..GpuFilmPixel::zeroed() };
         let pixels = self.film_buffer.size() as usize / size_of::<GpuFilmPixel>();
-        device.queue.write_buffer(
-            &self.film_buffer,
-            0,
-            bytemuck::cast_slice(&vec![empty; pixels]),
-        );
+        device.queue.write_buffer(&self.film_buffer, 0, bytemuck::cast_slice(&vec![empty; pixels]));
     }
 
     /// Traces one piece of work and waits for it.

@@ -75,7 +75,13 @@ impl Schedule {
 
     /// A dispatch without samples: the driver compiles at the first.
     pub(super) fn warm_up() -> Work {
-        Work { region_first_tile: 0, first_tile: 0, tile_count: 1, sample_first: 0, sample_count: 0 }
+        Work {
+            region_first_tile: 0,
+            first_tile: 0,
+            tile_count: 1,
+            sample_first: 0,
+            sample_count: 0,
+        }
     }
 
     /// Tiles of the present region.
@@ -159,8 +165,7 @@ impl Schedule {
     pub(super) fn progress(&self) -> f64 {
         let region = f64::from(self.region_size());
         let in_region = f64::from(self.sample) * region + f64::from(self.tile);
-        let in_block =
-            f64::from(self.region_first) * f64::from(self.block_samples()) + in_region;
+        let in_block = f64::from(self.region_first) * f64::from(self.block_samples()) + in_region;
         let before = f64::from(self.block_first) * f64::from(self.tile_count);
         (before + in_block) / (f64::from(self.spp) * f64::from(self.tile_count))
     }

@@ -86,10 +86,7 @@ impl Scene {
                 Some(b.map_or((p, p), |(lo, hi)| (lo.min(p), hi.max(p))))
             })
         };
-        self.instances
-            .iter()
-            .filter_map(place)
-            .reduce(|(a, b), (lo, hi)| (a.min(lo), b.max(hi)))
+        self.instances.iter().filter_map(place).reduce(|(a, b), (lo, hi)| (a.min(lo), b.max(hi)))
     }
 
     /// Number of triangles after instancing, and of spheres.

@@ -52,13 +52,16 @@ impl Scene {
         }
         let low = rest.iter().copied().reduce(Vec3::min)?;
         let high = rest.iter().copied().reduce(Vec3::max)?;
-        if sphere.radius <= VAST * low.distance(high) {
-            return None;
-        }
         let center: DVec3 = sphere.center.as_dvec3();
         let toward = (low.as_dvec3() + high.as_dvec3()) * 0.5 - center;
         let normal = toward.try_normalize()?;
         let point = center + normal * f64::from(sphere.radius);
+        // The form is exact near the anchor only, so the rest must be near it: a lone camera
+        // has no extent of its own.
+        let (low, high) = (low.min(point.as_vec3()), high.max(point.as_vec3()));
+        if sphere.radius <= VAST * low.distance(high) {
+            return None;
+        }
         Some(SphereAnchor { point: point.as_vec3(), normal: normal.as_vec3() })
     }
 

@@ -151,7 +151,8 @@ mod tests {
 
     #[test]
     fn conditions_nest() {
-        let text = "#if GGX\nx\n#if !LENS\ny\n#else\nz\n#endif\n#else\n#if LENS\nw\n#endif\nv\n#endif\n";
+        let text =
+            "#if GGX\nx\n#if !LENS\ny\n#else\nz\n#endif\n#else\n#if LENS\nw\n#endif\nv\n#endif\n";
         let lines = |f: Features| run(&[("main", text)], f).unwrap().text.replace('\n', "");
         assert_eq!(lines(Features::default()), "v");
         assert_eq!(lines(Features::default().with(Feature::Ggx)), "xy");

@@ -95,7 +95,16 @@ impl Feature {
         use Feature::*;
         matches!(
             self,
-            Packets | BruteForce | Nee | ManyLightSamples | Mis | LightOnly | ScatterOnly | Hemisphere | Roulette | Sobol
+            Packets
+                | BruteForce
+                | Nee
+                | ManyLightSamples
+                | Mis
+                | LightOnly
+                | ScatterOnly
+                | Hemisphere
+                | Roulette
+                | Sobol
         )
     }
 }
@@ -162,12 +171,12 @@ impl Features {
         };
         self.with_if(Feature::Triangles, placed().next().is_some())
             .with_if(Feature::Spheres, !scene.spheres.is_empty())
-            .with_if(Feature::AnchoredSpheres, scene.spheres.iter().any(|s| scene.anchor_of(s).is_some()))
-            .with_if(Feature::Instances, scene.shared_meshes().contains(&true))
             .with_if(
-                Feature::Attributes,
-                placed().any(|m| !m.normals.is_empty() || has_data(m)),
+                Feature::AnchoredSpheres,
+                scene.spheres.iter().any(|s| scene.anchor_of(s).is_some()),
             )
+            .with_if(Feature::Instances, scene.shared_meshes().contains(&true))
+            .with_if(Feature::Attributes, placed().any(|m| !m.normals.is_empty() || has_data(m)))
             .with_if(Feature::VertexData, placed().any(has_data))
     }
 
@@ -201,7 +210,10 @@ impl Features {
             scene.instances.iter().any(|i| emits(scene.meshes[i.mesh as usize].material));
         let nee = self.has(Feature::Nee);
         let is_punctual = |k: &LightKind| {
-            matches!(k, LightKind::Point { .. } | LightKind::Spot { .. } | LightKind::Directional { .. })
+            matches!(
+                k,
+                LightKind::Point { .. } | LightKind::Spot { .. } | LightKind::Directional { .. }
+            )
         };
         self.with_if(Feature::LightSurfaces, spheres || triangles)
             .with_if(Feature::LightTriangles, triangles)

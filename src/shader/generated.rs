@@ -9,7 +9,7 @@ pub const WORKGROUP_SIZE: u32 = 64;
 pub const INVALID: u32 = u32::MAX;
 /// In place of a density: the direction has none.
 pub const PDF_DELTA: f32 = -1.0;
-/// Scattering events after which a path counts as a fault.
+/// Scattering events after which a path counts as a fault; its numbers are drawn by 12 bits of them.
 pub const PATH_LENGTH_LIMIT: u32 = 4096;
 /// `vec4`s of an instance's record in the node buffer.
 pub const TREE_RECORD_SIZE: u32 = 8;
@@ -88,8 +88,7 @@ pub enum Fault {
 
 impl Fault {
     /// All causes in the order of their counts.
-    pub const ALL: [Fault; 4] =
-        [Fault::NonFinite, Fault::Negative, Fault::LoopBound, Fault::Stack];
+    pub const ALL: [Fault; 4] = [Fault::NonFinite, Fault::Negative, Fault::LoopBound, Fault::Stack];
 
     /// What it means, for messages.
     pub fn description(self) -> &'static str {

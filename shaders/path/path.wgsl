@@ -1,0 +1,82 @@
+// A path between two rays, and what happens to it at a surface or on leaving the scene.
+#import frame/frame
+#import film/fault
+#import geometry/surface
+#import material/material
+#import bsdf/scatter
+#if MIS
+#import strategy/mis
+#endif
+#if LIGHT_ONLY
+#import strategy/light
+#endif
+#if SCATTER_ONLY
+#import strategy/scatter
+#endif
+#if LIGHT_SURFACES
+#import light/light
+#endif
+#if ENVIRONMENT
+#import light/environment
+#endif
+
+// Roulette begins at this bounce, and never lets a path go on with less or more than these.
+const ROULETTE_START: u32 = 5u;
+const ROULETTE_LEAST: f32 = 0.05;
+const ROULETTE_MOST: f32 = 0.95;
+
+struct Path {
+    ray: Ray,
+    is_alive: bool,
+    throughput: vec3<f32>,
+    radiance: vec3<f32>,
+    // Density of the direction that the ray took, for the weight of emission it meets.
+    scatter_pdf: f32,
+    // Where it left the last surface.
+    scatter_point: vec3<f32>,
+    // How refraction scaled the throughput: no loss, so roulette ignores it.
+    eta_scale: f32,
+}
+
+// Whether light that was scattered `bounce` times belongs to the picture.
+fn path_keeps(bounce: u32) -> bool {
+    return frame.only_bounce == INVALID || frame.only_bounce == bounce;
+}
+
+#if ENVIRONMENT
+fn path_environment(p: Path) -> vec3<f32> {
+    let d = p.ray.direction;
+    let w = strategy_emission_weight(p.scatter_pdf, environment_pdf(d));
+    return p.throughput * environment_emitted(d) * w;
+}
+#endif
+
+#if LIGHT_SURFACES
+fn path_emission(p: Path, m: Material, s: Surface) -> vec3<f32> {
+    let w = strategy_emission_weight(p.scatter_pdf, light_surface_pdf(s, p.scatter_point));
+    return p.throughput * material_emitted(m, s) * w;
+}
+#endif
+
+// Draws the next direction; the path ends where there is none.
+fn path_scatter(path: Path, s: Surface, b: Bsdf, frame_s: mat3x3<f32>, u: vec2<f32>, roulette: f32, bounce: u32) -> Path {
+    var p = path;
+    let scattered = bsdf_sample(b, s.wo * frame_s, u);
+    let wi = frame_s * scattered.wi;
+    // A shading normal can send light through the true surface, or the reverse: such a path ends.
+    let crosses = (scattered.wi.z < 0.0) != (dot(wi, s.ng) < 0.0);
+    p.is_alive = scattered.pdf != 0.0 && !crosses;
+    p.throughput *= scattered.weight;
+    p.eta_scale *= scattered.eta_scale;
+    p.scatter_pdf = scattered.pdf;
+    p.scatter_point = s.position;
+    p.ray = ray_new(ray_spawn(s.position, s.ng, s.offset, wi), wi);
+#if ROULETTE
+    if bounce + 1u >= ROULETTE_START {
+        let q = clamp(max_component(p.throughput) / p.eta_scale, ROULETTE_LEAST, ROULETTE_MOST);
+        p.is_alive = p.is_alive && roulette < q;
+        p.throughput /= q;
+    }
+#endif
+    return p;
+}
