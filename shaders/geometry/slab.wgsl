@@ -23,16 +23,18 @@ fn slab_new(o: vec3<f32>, d: vec3<f32>, grid_min: vec3<f32>, grid_scale: vec3<f3
     return Slab(scale, bias - error, bias + error, shift);
 }
 
-// Distances (near, far) at which the ray is inside the child's box: a hit where
-// near <= far. `child` holds (x, y, z, link), lower plane in the low half.
-fn slab_hit(s: Slab, child: vec4<u32>, t_max: f32) -> vec2<f32> {
+// Distances (near, far) at which the ray is inside the child's box, as the bits of
+// their floats: a hit where near <= far. `child` holds (x, y, z, link), lower plane in
+// the low half. Signed integers order these as floats do, since near is at least 0, and
+// a far below 0 is below every near; and need no care for NaN, of which there is none.
+fn slab_hit(s: Slab, child: vec4<u32>, t_max: f32) -> vec2<i32> {
     let low_half = vec3<u32>(0xffffu);
     let near_q = vec3<f32>(vec3<i32>((child.xyz >> s.shift) & low_half));
     let far_q = vec3<f32>(vec3<i32>((child.xyz >> (vec3<u32>(16u) - s.shift)) & low_half));
-    let near = near_q * s.scale + s.bias_near;
-    let far = far_q * s.scale + s.bias_far;
-    return vec2<f32>(
-        max(max(near.x, near.y), max(near.z, 0.0)),
-        min(min(far.x, far.y), min(far.z, t_max)),
+    let near = bitcast<vec3<i32>>(near_q * s.scale + s.bias_near);
+    let far = bitcast<vec3<i32>>(far_q * s.scale + s.bias_far);
+    return vec2<i32>(
+        max(max(near.x, near.y), max(near.z, 0)),
+        min(min(far.x, far.y), min(far.z, bitcast<i32>(t_max))),
     );
 }

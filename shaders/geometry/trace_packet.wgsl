@@ -35,7 +35,7 @@ fn packet_primitive(index: u32) -> Primitive {
 // number; INVALID for a miss.
 fn packet_key(s: Slab, child: vec4<u32>, t_max: f32, number: u32) -> u32 {
     let h = slab_hit(s, child, t_max);
-    return select(INVALID, (bitcast<u32>(h.x) & ~3u) | number, h.x <= h.y);
+    return select(INVALID, (u32(h.x) & ~3u) | number, h.x <= h.y);
 }
 
 // Least over the subgroup's eight lanes.

@@ -42,8 +42,15 @@ fn triangle_sheared_weights(s: Shear, p0: vec3<f32>, p1: vec3<f32>, p2: vec3<f32
     return s.major * vec3<f32>(triangle_edge(b, c), triangle_edge(c, a), triangle_edge(a, b));
 }
 
+// Whether weights of both signs exceed the tolerance.
 fn triangle_is_mixed(w: vec3<f32>, tolerance: f32) -> bool {
-    return min(w.x, min(w.y, w.z)) < -tolerance && max(w.x, max(w.y, w.z)) > tolerance;
+    return any(w < vec3<f32>(-tolerance)) && any(w > vec3<f32>(tolerance));
+}
+
+// Largest magnitudes by component: as integers, whose order is the same.
+fn triangle_size(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+    let low_bits = vec3<i32>(0x7fffffff);
+    return bitcast<vec3<f32>>(max(bitcast<vec3<i32>>(a) & low_bits, bitcast<vec3<i32>>(b) & low_bits));
 }
 
 // Whether the line o + t d meets the triangle, from either side. Vertices relative to o.
@@ -56,15 +63,14 @@ fn triangle_weights(d: vec3<f32>, shear: Shear, p0: vec3<f32>, p1: vec3<f32>, p2
     let w2 = dot(q, e1);
     var w = vec3<f32>(det - w1 - w2, w1, w2);
 
-    let size = max(max(abs(p0), abs(p1)), abs(p2));
-    let edge = max(abs(e1), abs(e2));
+    let size = triangle_size(triangle_size(p0, p1), p2);
+    let edge = triangle_size(e1, e2);
     let vertex_size = size.x + size.y + size.z;
     let edge_size = edge.x + edge.y + edge.z;
     let uncertain = UNCERTAINTY * abs(shear.major) * vertex_size
         * (edge_size + UNCERTAINTY_FLOOR * vertex_size);
-    let magnitude = abs(w);
     var is_inside = !triangle_is_mixed(w, uncertain);
-    if is_inside && min(magnitude.x, min(magnitude.y, magnitude.z)) <= uncertain {
+    if is_inside && any(abs(w) <= vec3<f32>(uncertain)) {
         w = triangle_sheared_weights(shear, p0, p1, p2);
         is_inside = !triangle_is_mixed(w, 0.0);
     }
