@@ -1,5 +1,6 @@
 //! Everything that knows wgpu, except the passes.
 
+mod batch;
 mod device;
 mod environment;
 mod lights;
@@ -12,6 +13,7 @@ mod wide;
 mod world;
 mod world_source;
 
+pub use batch::Batch;
 pub use device::{Device, DeviceInfo, DeviceKind};
 pub use pipeline::{Kernel, validate};
 pub use scene::{GpuScene, SceneBuffers};

@@ -1,0 +1,81 @@
+//! The device, tiny scenes, and what a stochastic test needs to decide.
+
+#![allow(dead_code, unused_imports, reason = "each test program uses a part of this")]
+
+mod estimate;
+mod stage;
+
+pub(crate) use estimate::{Estimate, assert_agree, assert_constant, assert_truth, grey};
+pub(crate) use stage::{Stage, emitter, lambert, quad_mesh, with_uvs};
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use steradian::film::Film;
+use steradian::gpu::Device;
+use steradian::scene::{Scene, gltf};
+use steradian::{RenderSettings, Renderer};
+
+/// The device that all tests of a program share.
+///
+/// # Panics
+/// Without one: a test on the device that does not run must not pass.
+pub(crate) fn device() -> Arc<Device> {
+    static DEVICE: OnceLock<Arc<Device>> = OnceLock::new();
+    let open = || match Device::open(None) {
+        Ok(device) => Arc::new(device),
+        Err(error) => panic!("these tests need a Vulkan device: {error}"),
+    };
+    DEVICE.get_or_init(open).clone()
+}
+
+/// One test at a time: an error is reported to whoever waits for the device next.
+pub(crate) fn with_device<T>(use_it: impl FnOnce(Arc<Device>) -> T) -> T {
+    static TURN: Mutex<()> = Mutex::new(());
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    use_it(device())
+}
+
+/// Settings of a picture of `width` by `height` pixels.
+pub(crate) fn settings(width: u32, height: u32, spp: u32) -> RenderSettings {
+    RenderSettings { resolution: (width, height), spp, ..RenderSettings::default() }
+}
+
+/// Renders all samples, and asserts what holds for every render: no fault, and
+/// all samples taken, each with a ray at least.
+pub(crate) fn render(scene: &Scene, settings: &RenderSettings) -> Film {
+    with_device(|device| {
+        let mut renderer = Renderer::new(device, scene, settings).unwrap();
+        while renderer.step().unwrap() {}
+        renderer.finish().unwrap();
+        let statistics = renderer.statistics();
+        assert_eq!(statistics.faults, [0; 4], "first at {:?}", statistics.first_fault);
+        let window = settings.window();
+        let pixels = u64::from(window.width) * u64::from(window.height);
+        assert_eq!(statistics.samples, pixels * u64::from(settings.spp));
+        assert!(statistics.closest_rays >= statistics.samples);
+        assert_eq!(renderer.film().least_samples(), settings.spp);
+        renderer.film().clone()
+    })
+}
+
+/// Path of a bundled scene: `scenes/NAME/LAST PART OF NAME.gltf`.
+fn bundled_path(name: &str) -> PathBuf {
+    let stem = name.rsplit('/').next().unwrap_or(name);
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
+    folder.join(format!("{stem}.gltf"))
+}
+
+/// A bundled scene.
+pub(crate) fn bundled(name: &str) -> Scene {
+    gltf::load(&bundled_path(name)).unwrap()
+}
+
+/// The radiance that a bundled scene says every pixel has.
+pub(crate) fn bundled_truth(name: &str) -> f64 {
+    let text = std::fs::read_to_string(bundled_path(name)).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let truth = &json["scenes"][0]["extras"]["steradian"]["truth"]["radiance"];
+    let [r, g, b] = [0, 1, 2].map(|k| truth[k].as_f64().unwrap());
+    assert!(r == g && g == b, "{name}: a grey truth is expected");
+    r
+}
