@@ -1,0 +1,166 @@
+//! Four estimators, two samplers, roulette on and off: one mean.
+
+use crate::common::{
+    Estimate, Stage, assert_agree, assert_truth, bundled, bundled_truth, emitter, grey, lambert,
+    render, settings,
+};
+use glam::Vec3;
+use steradian::RenderSettings;
+use steradian::scene::{Material, Scene};
+use steradian::settings::{Sampler, Strategy};
+
+const STRATEGIES: [Strategy; 4] =
+    [Strategy::Hemisphere, Strategy::Bsdf, Strategy::Light, Strategy::Mis];
+
+/// Samplers and roulette. Two of the four combinations: each setting is met on and
+/// off by every strategy, and a kernel is compiled for each.
+const CELLS: [(Sampler, bool); 2] = [(Sampler::Sobol, true), (Sampler::Independent, false)];
+
+fn cell(
+    strategy: Strategy,
+    (sampler, roulette): (Sampler, bool),
+    base: RenderSettings,
+) -> RenderSettings {
+    RenderSettings { strategy, sampler, roulette, ..base }
+}
+
+/// Estimates in all cells of the matrix, in order.
+fn estimates(scene: &Scene, base: &RenderSettings) -> Vec<(String, Estimate)> {
+    let mut all = Vec::new();
+    for strategy in STRATEGIES {
+        for choice in CELLS {
+            let film = render(scene, &cell(strategy, choice, base.clone()));
+            let what = format!("{strategy:?}, {:?}, roulette {}", choice.0, choice.1);
+            all.push((what, Estimate::of_pixels(&film)));
+        }
+    }
+    all
+}
+
+fn assert_all_agree(all: &[(String, Estimate)], visible_bias: f64) {
+    for (i, (a_name, a)) in all.iter().enumerate() {
+        for (b_name, b) in &all[..i] {
+            assert_agree(&format!("{a_name} and {b_name}"), *a, *b, visible_bias);
+        }
+    }
+}
+
+/// Occlusion, a sampled light, and some twenty bounces.
+#[test]
+fn a_lamp_in_a_sphere() {
+    let name = "tests/sphere-in-sphere";
+    let all = estimates(&bundled(name), &settings(32, 32, 256));
+    for (what, estimate) in &all {
+        assert_truth(what, *estimate, bundled_truth(name), 0.03);
+    }
+    assert_all_agree(&all, 0.05);
+}
+
+/// Walls that emit and reflect, with lights sampled from inside them.
+#[test]
+fn a_furnace() {
+    let name = "tests/furnace-sphere";
+    // Without roulette nothing else ends a path; what is cut off is 2^-33.
+    let settings = RenderSettings { max_bounces: Some(32), ..settings(16, 16, 128) };
+    let all = estimates(&bundled(name), &settings);
+    for (what, estimate) in &all {
+        assert_truth(what, *estimate, bundled_truth(name), 0.02);
+    }
+}
+
+/// A rough metal floor, a glossy dielectric wall and two kinds of light.
+fn glossy_corner() -> Scene {
+    let metal = Material {
+        base_color: Vec3::splat(0.8),
+        metallic: 1.0,
+        roughness: 0.4,
+        ..Material::default()
+    };
+    let plastic = Material {
+        base_color: Vec3::splat(0.6),
+        metallic: 0.0,
+        roughness: 0.5,
+        ..Material::default()
+    };
+    let mut stage = Stage::orthographic(Vec3::new(-1.0, 1.0, 0.3), Vec3::ZERO, 1e-5);
+    stage.floor(Vec3::new(0.1, 0.0, 0.2), 1.0, metal);
+    stage.quad(Vec3::new(1.0, 0.9, 0.0), Vec3::Z, Vec3::Y, plastic);
+    stage.ceiling(Vec3::new(0.3, 1.2, 0.1), 0.4, Material { double_sided: true, ..emitter(2.0) });
+    stage.sphere(Vec3::new(0.5, 0.4, -0.4), 0.2, emitter(3.0));
+    // Something to be in the way.
+    stage.sphere(Vec3::new(0.3, 0.5, 0.3), 0.15, lambert(0.7));
+    stage.scene
+}
+
+#[test]
+fn glossy_surfaces_under_two_lights() {
+    let all: Vec<_> = STRATEGIES
+        .iter()
+        .map(|&strategy| {
+            let settings = RenderSettings { strategy, ..settings(32, 32, 256) };
+            (format!("{strategy:?}"), Estimate::of_pixels(&render(&glossy_corner(), &settings)))
+        })
+        .collect();
+    assert_all_agree(&all, 0.03);
+}
+
+/// With independent numbers and light samples alone the variance of n samples is 1/n of one's.
+/// The variance of 1024 pixels is known to √(2/1023), so the logarithm of a ratio of two
+/// to √(4/1023).
+#[test]
+fn more_light_samples_leave_the_mean_and_divide_the_variance() {
+    let mut stage = Stage::orthographic(Vec3::Y * 0.01, Vec3::ZERO, 1e-5);
+    stage.floor(Vec3::new(0.002, 0.0, 0.001), 0.01, lambert(0.5));
+    stage.sphere(Vec3::new(1.9, 0.2, 0.0), 1.0, emitter(1.0));
+    let estimate = |light_samples| {
+        let settings = RenderSettings {
+            strategy: Strategy::Light,
+            sampler: Sampler::Independent,
+            light_samples,
+            ..settings(32, 32, 64)
+        };
+        Estimate::of_pixels(&render(&stage.scene, &settings))
+    };
+    let one = estimate(1);
+    for n in [4, 16] {
+        let many = estimate(n);
+        assert_agree(&format!("{n} light samples"), many, one, 0.02);
+        let ratio = (one.deviation / many.deviation).powi(2);
+        let logarithm = (ratio / f64::from(n)).ln();
+        let s = (4.0_f64 / 1023.0).sqrt();
+        assert!(logarithm.abs() <= 3.9 * s, "variance falls by {ratio}, not by {n}");
+    }
+}
+
+/// The same with the default strategy and sampler: the mean stays.
+#[test]
+fn more_light_samples_leave_the_mean_of_the_default() {
+    let name = "tests/sphere-in-sphere";
+    for light_samples in [4, 16] {
+        let settings = RenderSettings { light_samples, ..settings(16, 16, 128) };
+        let estimate = Estimate::of_pixels(&render(&bundled(name), &settings));
+        assert_truth(
+            &format!("{light_samples} light samples"),
+            estimate,
+            bundled_truth(name),
+            0.02,
+        );
+    }
+}
+
+/// Where the truth differs from pixel to pixel: independent pictures of other seeds.
+#[test]
+fn a_picture_by_light_samples_and_without() {
+    let scene = bundled("cornell-box");
+    let observations = |strategy| -> Vec<f64> {
+        let picture = |seed| {
+            let settings = RenderSettings { strategy, seed, ..settings(16, 16, 64) };
+            let pixels = grey(&render(&scene, &settings));
+            pixels.iter().sum::<f64>() / pixels.len() as f64
+        };
+        (0..16).map(picture).collect()
+    };
+    let mis = Estimate::of(&observations(Strategy::Mis));
+    let bsdf = Estimate::of(&observations(Strategy::Bsdf));
+    assert_agree("cornell-box", mis, bsdf, 0.05);
+}
