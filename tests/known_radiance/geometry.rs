@@ -144,6 +144,21 @@ fn a_vast_sphere_is_a_plane() {
     assert_truth("vast sphere", estimate, 0.5 * 0.239_456, 0.001);
 }
 
+/// The anchored form is for spheres that dwarf all that is near them. A lone camera has no
+/// extent, but a distance.
+#[test]
+fn only_vast_spheres_are_anchored() {
+    let is_anchored = |eye: f32, center: f32, radius: f32| {
+        let mut stage = Stage::perspective(Vec3::Y * eye, Vec3::Y * (eye + 1.0), 1.0);
+        stage.sphere(Vec3::Y * center, radius, lambert(0.5));
+        stage.scene.anchor_of(&stage.scene.spheres[0]).is_some()
+    };
+    assert!(!is_anchored(0.4, 0.0, 1.0));
+    assert!(!is_anchored(3.0, 0.0, 1.0));
+    assert!(!is_anchored(0.0, 1e6, 1e3));
+    assert!(is_anchored(1.7, -1e6, 1e6));
+}
+
 /// Seen from far and at a low angle, the same floor is where a plane would be.
 #[test]
 fn a_vast_sphere_lies_level() {
