@@ -17,7 +17,7 @@ pub struct RenderSettings {
     pub seed: u32,
     /// Estimator of scattered light.
     pub strategy: Strategy,
-    /// Light samples at each path vertex (seed's `-l`).
+    /// Light samples at each path vertex.
     pub light_samples: u32,
     /// Scattering events allowed on a path; `None` is no limit.
     pub max_bounces: Option<u32>,
@@ -78,7 +78,7 @@ pub enum Sampler {
 pub enum Accel {
     /// Binned surface area heuristic.
     Bvh,
-    /// Longest axis, split at the median: the seed's tree, for comparison.
+    /// Longest axis, split at the median, for comparison.
     Median,
     /// Every ray tests every primitive, for comparison.
     None,

@@ -1,4 +1,4 @@
-// Directions for the lobes that have a density, uniform over the hemisphere (the seed's estimator).
+// Directions for the lobes that have a density, uniform over the hemisphere.
 #import bsdf/bsdf
 
 // Density of smooth_sample, including the lobes' probabilities.

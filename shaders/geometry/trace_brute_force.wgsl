@@ -1,4 +1,4 @@
-// Closest and any hit by testing every primitive: the seed's comparison, and a check of the tree.
+// Closest and any hit by testing every primitive: for comparison, and as a check of the tree.
 #import geometry/leaf
 #import frame/frame
 
