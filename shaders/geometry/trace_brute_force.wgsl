@@ -1,6 +1,7 @@
 // Closest and any hit by testing every primitive: for comparison, and as a check of the tree.
 #import geometry/leaf
 #import frame/frame
+#import film/fault
 
 fn trace_any_lane(b: bool) -> bool {
     return b;
@@ -11,12 +12,17 @@ fn trace_closest(ray: Ray, is_active: bool) -> Hit {
     var best = hit_none(ray);
     let tree = tree_ray_world(ray);
     let triangles = select(0u, frame.triangle_count, is_active);
-    for (var i = 0u; i < triangles; i++) {
+    var i = 0u;
+    for (; i < triangles; i++) {
         leaf_closest(ray, tree, LINK_KIND_TRIANGLE, primitive_load(i), i, &best);
     }
-    let spheres = select(0u, frame.sphere_count, is_active);
-    for (var i = triangles; i < triangles + spheres; i++) {
+    let end = triangles + select(0u, frame.sphere_count, is_active);
+    for (; i < end; i++) {
         leaf_closest(ray, tree, LINK_KIND_SPHERE, primitive_load(i), i, &best);
+    }
+    // Some drivers end a thread's loops early, without saying so.
+    if i < end {
+        fault_raise(FAULT_LOOP_BOUND);
     }
     return best;
 }
