@@ -1,5 +1,6 @@
 // Emissive spheres: the cone that they subtend from outside, their area from inside.
 #import light/light
+#import sample/warp
 
 // What both the sample and its density need to know about sphere and receiver.
 struct SphereView {

@@ -1,5 +1,6 @@
 // Emissive triangles, sampled uniformly over their area.
 #import light/light
+#import sample/warp
 #import material/material
 #import geometry/attributes
 

@@ -1,4 +1,4 @@
-//! When an estimate agrees with a truth: NUMERICS 5.0. With M the mean and s its
+//! When an estimate agrees with a truth. With M the mean and s its
 //! standard error, |M - T| <= 3.9 s; and s <= e T / 4, without which a bias of
 //! size e would not be seen.
 

@@ -1,5 +1,5 @@
-//! A Lambertian receiver under lights with extent: albedo Le F, with the form factors F
-//! of NUMERICS 5.4.
+//! A Lambertian receiver under lights with extent: albedo Le F, F being the form
+//! factors of the radiation heat transfer tables.
 
 use crate::common::{Estimate, Stage, assert_truth, emitter, lambert, render, settings};
 use glam::{Mat3, Vec3};
@@ -45,7 +45,7 @@ fn sphere_form_factor(distance: f64, angle: f64) -> f64 {
 
 #[test]
 fn spheres_above_and_across_the_horizon() {
-    // Distance in radii, angle in degrees, form factor as NUMERICS prints it.
+    // Distance in radii, angle in degrees, form factor.
     let cases = [
         (2.0, 30.0, 0.216_506),
         (2.0, 75.0, 0.070_410),

@@ -1,4 +1,4 @@
-//! Renders of scenes whose radiance is known on paper (NUMERICS 5.2 to 5.4), and
+//! Renders of scenes whose radiance is known on paper, and
 //! estimators against each other.
 
 #[path = "../common/mod.rs"]

@@ -26,7 +26,7 @@ fn strips(film: &Film) -> Vec<Estimate> {
 }
 
 /// Directional albedo of GGX with height-correlated Smith masking and F = 1, single
-/// scattering (NUMERICS 5.2): rows alpha, columns cosine.
+/// scattering: rows alpha, columns cosine.
 const ALPHAS: [f64; 6] = [0.05, 0.1, 0.25, 0.5, 0.75, 1.0];
 const COSINES: [f64; 5] = [1.0, 0.7, 0.3, 0.1, 0.02];
 const ALBEDOS: [[f64; 5]; 6] = [
