@@ -249,7 +249,12 @@ fn frame(scene: &Scene, settings: &RenderSettings, buffers: &SceneBuffers) -> Gp
         sample_first: 0,
         sample_count: 0,
         seed: settings.seed,
-        max_bounces: settings.max_bounces.unwrap_or(INVALID),
+        // A path that is wanted for one term alone ends with that.
+        max_bounces: [settings.max_bounces, settings.only_bounce]
+            .into_iter()
+            .flatten()
+            .min()
+            .unwrap_or(INVALID),
         only_bounce: settings.only_bounce.unwrap_or(INVALID),
         light_samples: settings.light_samples,
         triangle_count: world.triangle_count as u32,
