@@ -245,7 +245,6 @@ fn frame(scene: &Scene, settings: &RenderSettings, buffers: &SceneBuffers) -> Gp
         tiles_across,
         region_first_tile: 0,
         dispatch_first_tile: 0,
-        dispatch_tile_count: 0,
         sample_first: 0,
         sample_count: 0,
         seed: settings.seed,
@@ -261,6 +260,7 @@ fn frame(scene: &Scene, settings: &RenderSettings, buffers: &SceneBuffers) -> Gp
         sphere_count: world.sphere_count as u32,
         attribute_base: buffers.world.attribute_base,
         attribute_stride: buffers.world.attribute_stride,
+        padding_0: 0,
     }
 }
 

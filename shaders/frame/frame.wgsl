@@ -41,7 +41,6 @@ struct Frame {
     region_first_tile: u32,
     // First tile of this dispatch, counted within the region.
     dispatch_first_tile: u32,
-    dispatch_tile_count: u32,
     // First sample index and number of samples of this dispatch.
     sample_first: u32,
     sample_count: u32,
@@ -57,6 +56,7 @@ struct Frame {
     // Layout of `attributes`.
     attribute_base: u32,
     attribute_stride: u32,
+    padding_0: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -64,10 +64,3 @@ fn leaf_accept(ray: Ray, p: Primitive, hit: Hit, best: ptr<function, Hit>) {
         }
     }
 }
-
-// Whether the ray is stopped by a primitive in (0, ray.t_max).
-fn leaf_blocks(ray: Ray, tree: TreeRay, kind: u32, p: Primitive, index: u32) -> bool {
-    var best = hit_none(ray);
-    leaf_closest(ray, tree, kind, p, index, &best);
-    return best.primitive != INVALID;
-}

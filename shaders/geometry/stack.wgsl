@@ -4,7 +4,9 @@
 var<workgroup> stack_links: array<u32, BVH_STACK_TOTAL>;
 var<private> stack_lane: u32;
 
+// A link beyond the end goes astray, and is counted: the host sized the stack wrongly.
 fn stack_set(height: u32, link: u32) {
+    fault_bits |= select(0u, 1u << FAULT_STACK, height >= BVH_STACK_SIZE);
     stack_links[height * WORKGROUP_SIZE + stack_lane] = link;
 }
 

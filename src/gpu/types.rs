@@ -36,7 +36,6 @@ gpu_struct! {
         tiles_across: u32,
         region_first_tile: u32,
         dispatch_first_tile: u32,
-        dispatch_tile_count: u32,
         sample_first: u32,
         sample_count: u32,
         seed: u32,
@@ -47,6 +46,7 @@ gpu_struct! {
         sphere_count: u32,
         attribute_base: u32,
         attribute_stride: u32,
+        padding_0: u32,
     }
 }
 

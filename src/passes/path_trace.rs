@@ -119,7 +119,6 @@ impl PathTrace {
     pub fn run(&mut self, device: &Device, work: Work) -> Result<()> {
         self.frame.region_first_tile = work.region_first_tile;
         self.frame.dispatch_first_tile = work.first_tile;
-        self.frame.dispatch_tile_count = work.tile_count;
         self.frame.sample_first = work.sample_first;
         self.frame.sample_count = work.sample_count;
         device.queue.write_buffer(&self.frame_buffer, 0, bytemuck::bytes_of(&self.frame));

@@ -7,6 +7,7 @@ mod common;
 mod bsdf;
 mod geometry;
 mod numbers;
+mod stack;
 
 use bytemuck::Pod;
 use steradian::gpu::Batch;
