@@ -97,11 +97,13 @@ fn main(
 #if !BRUTE_FORCE
     stack_lane = local;
 #endif
-    let tile = frame.dispatch_first_tile + group.x;
-    let in_window = tile_pixel(frame.region_first_tile + tile, local);
-    let is_active = all(in_window < frame.window_size);
+    let thread = group.x * WORKGROUP_SIZE + local;
+    let in_dispatch = thread / TILE_PIXELS;
+    let index = frame.dispatch_first_tile * TILE_PIXELS + thread;
+    let tile = frame.region_first_tile + frame.dispatch_first_tile + in_dispatch;
+    let in_window = tile_pixel(tile, thread % TILE_PIXELS);
+    let is_active = in_dispatch < frame.dispatch_tile_count && all(in_window < frame.window_size);
     let at = frame.window_origin + in_window;
-    let index = tile * WORKGROUP_SIZE + local;
     var pixel = film[index];
     for (var i = 0u; i < frame.sample_count; i++) {
         let sampler_p = Sampler(at.x | (at.y << 16u), frame.sample_first + i);

@@ -46,7 +46,7 @@ gpu_struct! {
         sphere_count: u32,
         attribute_base: u32,
         attribute_stride: u32,
-        padding_0: u32,
+        dispatch_tile_count: u32,
     }
 }
 
