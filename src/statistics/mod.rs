@@ -22,6 +22,7 @@
 mod chi_square;
 mod direction_grid;
 mod distribution;
+mod estimate;
 mod level;
 mod quadrature;
 
@@ -31,6 +32,7 @@ pub use distribution::{
     chi_square_survival, normal_cdf, normal_quantile, normal_survival, student_t_cdf,
     student_t_quantile, student_t_survival,
 };
+pub use estimate::{Criterion, Estimate, Welch};
 pub use level::{CHANCE, FALSE_ALARM, sidak, wilson_interval};
 pub use quadrature::integrate_rectangle;
 

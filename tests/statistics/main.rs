@@ -2,4 +2,8 @@
 //! calibrated under the null, and able to see what they look for.
 
 mod directions;
+mod distributions;
+mod estimates;
+mod metrics;
+mod pictures;
 mod random;

@@ -23,8 +23,8 @@ impl Random {
         (-2.0 * self.unit().ln()).sqrt() * (TAU * self.unit()).cos()
     }
 
-    /// Exponential with mean 1.
-    pub(crate) fn exponential(&mut self) -> f64 {
-        -self.unit().ln()
+    /// Mean of 16 exponential variables of mean 1: deviation 1/4, skewness 1/2.
+    pub(crate) fn mean_of_exponentials(&mut self) -> f64 {
+        -(0..16).map(|_| self.unit()).product::<f64>().ln() / 16.0
     }
 }
