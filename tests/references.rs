@@ -37,6 +37,7 @@ fn change_materials(scene: &mut Scene, entry: &Value) {
         if listed("matte", &material.name) {
             material.metallic = 0.0;
             material.specular = 0.0;
+            material.transmission = 0.0;
         }
         if listed("white", &material.name) {
             material.base_color = Vec3::ONE;

@@ -7,7 +7,8 @@ Each scene of tests/references/scenes.json is rendered in independent runs with
 different seeds. NAME.exr holds their mean in R, G and B, and the variance of
 that mean in variance.R and so on; its attributes say how it was made. Where
 Mitsuba has no equal of a material, scenes.json replaces it on both sides: `matte`
-materials lose their specular layer and metalness, `white` ones their colour.
+materials lose their specular layer, metalness and transmission, `white` ones
+their colour.
 Needs what tools/mitsuba_scene.py needs.
 """
 
@@ -40,6 +41,7 @@ def change_materials(root, entry):
         if material.get("name") in entry.get("matte", []):
             pbr["metallicFactor"] = 0.0
             material.setdefault("extensions", {})["KHR_materials_specular"] = {"specularFactor": 0.0}
+            material["extensions"].pop("KHR_materials_transmission", None)
         if material.get("name") in entry.get("white", []):
             pbr["baseColorFactor"] = [1.0, 1.0, 1.0, 1.0]
 
