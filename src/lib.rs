@@ -12,7 +12,8 @@
 //! WGSL for that. [`gpu`] turns all of it into buffers, [`passes`] run kernels, and
 //! [`film`] holds the sums. [`renderer::Renderer`] is the whole in steps; [`image`] writes
 //! pictures. Modules earlier in the drawing never use later ones, and `scene`, `bvh`,
-//! `shader` and `image` do not know wgpu.
+//! `shader` and `image` do not know wgpu. [`statistics`] knows numbers only; the comparison of
+//! pictures, [`image::compare`], stands on it.
 
 pub mod bvh;
 pub mod error;

@@ -147,7 +147,7 @@ fn many_small_biases_are_found_by_their_p_values() {
     for seed in 0..20 {
         let mut random = Random::new(seed);
         let reference = picture(&mut random, FINE, |_, _| 1.0);
-        let sign = |x: u32, y: u32| if (x + y) % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = |x: u32, y: u32| if (x + y).is_multiple_of(2) { 1.0 } else { -1.0 };
         let planted = picture(&mut random, FINE, |x, y| 1.0 + 0.02 * sign(x, y));
         let comparison = PictureComparison::of(&planted, &reference, &SETTINGS);
         for channel in &comparison.channels {

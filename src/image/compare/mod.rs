@@ -39,7 +39,8 @@ pub struct ComparisonSettings {
     pub tiles: (u32, u32),
     /// Relative bias of the mean of the picture that must be visible.
     pub visible_bias: f64,
-    /// Bias of every tile that must be visible, relative to the mean of the picture.
+    /// Bias that must be visible in half of the tiles, relative to the mean of the tile or,
+    /// where that is smaller, of the picture.
     pub visible_tile_bias: f64,
     /// Relative difference that rounding explains.
     pub rounding: f64,
@@ -54,15 +55,22 @@ pub struct PictureComparison {
     pub channels: [ChannelComparison; 3],
 }
 
+/// What was found in a part of one channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Region {
+    /// Mean over the pixels of the second picture.
+    pub reference_mean: f64,
+    /// Difference of the means.
+    pub test: Welch,
+}
+
 /// What was found in one channel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelComparison {
-    /// Mean of the second picture.
-    pub reference_mean: f64,
-    /// Difference of the means of the whole pictures.
-    pub global: Welch,
-    /// Difference of the means of every tile, row by row.
-    pub tiles: Vec<Welch>,
+    /// The whole picture.
+    pub whole: Region,
+    /// Every tile, row by row.
+    pub tiles: Vec<Region>,
     /// Index and difference of the pixel with the smallest p-value; `None` if no pixel
     /// has noise.
     pub worst_pixel: Option<(usize, Welch)>,
@@ -127,11 +135,13 @@ impl ChannelComparison {
             (a.mean[i][channel] - b.mean[i][channel], terms)
         };
         // Welch's test of the mean over pixels, whose noise is independent.
-        let test = |pixels: &[usize]| {
+        let region = |pixels: &[usize]| {
             let n = pixels.len() as f64;
+            let reference_mean = pixels.iter().map(|&i| b.mean[i][channel]).sum::<f64>() / n;
             let difference = pixels.iter().map(|&i| pair(i).0).sum::<f64>() / n;
             let variances = pixels.iter().flat_map(|&i| pair(i).1);
-            Welch::new(difference, variances.map(|(v, degrees)| (v / (n * n), degrees)))
+            let variances = variances.map(|(v, degrees)| (v / (n * n), degrees));
+            Region { reference_mean, test: Welch::new(difference, variances) }
         };
         let all: Vec<usize> = (0..width * height).collect();
         let (columns, rows) = (settings.tiles.0 as usize, settings.tiles.1 as usize);
@@ -142,7 +152,7 @@ impl ChannelComparison {
 
         let (mut noisy, mut exact_differences) = (Vec::new(), 0);
         for &i in &all {
-            let welch = test(&[i]);
+            let welch = region(&[i]).test;
             let rounding =
                 settings.rounding * a.mean[i][channel].abs().max(b.mean[i][channel].abs());
             if welch.standard_error > rounding {
@@ -155,9 +165,8 @@ impl ChannelComparison {
         let by_p = |&x: &usize, &y: &usize| p_values[x].total_cmp(&p_values[y]);
         let worst_pixel = (0..noisy.len()).min_by(by_p).map(|k| noisy[k]);
         Self {
-            reference_mean: b.mean.iter().map(|m| m[channel]).sum::<f64>() / all.len() as f64,
-            global: test(&all),
-            tiles: tiles.iter().map(|pixels| test(pixels)).collect(),
+            whole: region(&all),
+            tiles: tiles.iter().map(|pixels| region(pixels)).collect(),
             worst_pixel,
             uniformity: uniformity(&p_values),
             noisy_pixels: noisy.len(),
@@ -171,16 +180,16 @@ impl ChannelComparison {
         let tile_level = sidak(level, self.tiles.len());
         let pixel_level = sidak(level, self.noisy_pixels);
         // Rounding moves a mean by no more than its share of it.
-        let rounding = settings.rounding * self.reference_mean.abs();
-        let differs = |welch: &Welch, level: f64| {
-            let beyond = (welch.difference.abs() - rounding).max(0.0);
-            let p = Welch { difference: beyond, ..*welch }.p_value();
+        let differs = |test: &Welch, mean: f64, level: f64| {
+            let beyond = (test.difference.abs() - settings.rounding * mean.abs()).max(0.0);
+            let p = Welch { difference: beyond, ..*test }.p_value();
             p.is_nan() || p < level
         };
+        let region = |r: &Region, level: f64| differs(&r.test, r.reference_mean, level);
         let found = [
-            ("mean", differs(&self.global, level)),
-            ("tile", self.tiles.iter().any(|tile| differs(tile, tile_level))),
-            ("pixel", self.worst_pixel.is_some_and(|(_, pixel)| differs(&pixel, pixel_level))),
+            ("mean", region(&self.whole, level)),
+            ("tile", self.tiles.iter().any(|tile| region(tile, tile_level))),
+            ("pixel", self.worst_pixel.is_some_and(|(_, pixel)| differs(&pixel, 0.0, pixel_level))),
             ("p-values", self.uniformity.is_some_and(|fit| fit.verdict(level) == Verdict::Differs)),
             ("pixel without noise", self.exact_differences > 0),
         ];
@@ -188,21 +197,25 @@ impl ChannelComparison {
     }
 
     /// The tile that differs most.
-    pub fn worst_tile(&self) -> (usize, Welch) {
+    pub fn worst_tile(&self) -> (usize, Region) {
         let tiles = self.tiles.iter().copied().enumerate();
-        tiles.min_by(|a, b| a.1.p_value().total_cmp(&b.1.p_value())).expect("a tile")
+        tiles.min_by(|a, b| a.1.test.p_value().total_cmp(&b.1.test.p_value())).expect("a tile")
     }
 
     /// Relative bias of the mean that would raise an alarm with probability 0.84.
     pub fn visible_bias(&self, settings: &ComparisonSettings) -> f64 {
-        visible(&self.global, test_level(settings)) / self.reference_mean.abs()
+        visible(&self.whole.test, test_level(settings)) / self.whole.reference_mean.abs()
     }
 
-    /// The same for the noisiest tile, relative to the mean of the picture.
+    /// The same for the median tile, as [`ComparisonSettings::visible_tile_bias`].
     pub fn visible_tile_bias(&self, settings: &ComparisonSettings) -> f64 {
         let level = sidak(test_level(settings), self.tiles.len());
-        let biases = self.tiles.iter().map(|tile| visible(tile, level));
-        biases.fold(0.0, f64::max) / self.reference_mean.abs()
+        let floor = self.whole.reference_mean.abs();
+        let bias =
+            |tile: &Region| visible(&tile.test, level) / tile.reference_mean.abs().max(floor);
+        let mut biases: Vec<f64> = self.tiles.iter().map(bias).collect();
+        biases.sort_by(f64::total_cmp);
+        biases[biases.len() / 2]
     }
 }
 
@@ -240,10 +253,10 @@ impl fmt::Display for PictureComparison {
             write!(
                 f,
                 "  {name:5}: mean {:+.3} % (z {:+.2}, visible {:.2} %), tile {tile} z {:+.2} (visible {:.1} %)",
-                100.0 * channel.global.difference / channel.reference_mean,
-                channel.global.z(),
+                100.0 * channel.whole.test.difference / channel.whole.reference_mean,
+                channel.whole.test.z(),
                 100.0 * channel.visible_bias(&self.settings),
-                worst.z(),
+                worst.test.z(),
                 100.0 * channel.visible_tile_bias(&self.settings),
             )?;
             if let Some((pixel, worst)) = channel.worst_pixel {
