@@ -6,8 +6,8 @@ use glam::DVec3;
 
 type Intersector = fn(Vec3, Vec3, Vec3, Vec3, Vec3, f32) -> Option<TriangleHit>;
 
-const PLAIN: Intersector = hit::<false>;
-const FUSED: Intersector = hit::<true>;
+const PLAIN: Intersector = triangle_hit_as::<false>;
+const FUSED: Intersector = triangle_hit_as::<true>;
 
 /// Möller-Trumbore without the second look: what leaks.
 fn moller_trumbore(
