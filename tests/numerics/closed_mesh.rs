@@ -36,11 +36,12 @@ pub(crate) struct Aim {
     pub(crate) target: Target,
 }
 
-/// A ray, and the ends of the edge that it is aimed at.
+/// A ray, a triangle of the edge that it is aimed at, and the edge's ends.
 #[derive(Clone, Copy)]
 pub(crate) struct AimedRay {
     pub(crate) o: Vec3,
     pub(crate) d: Vec3,
+    triangle: u32,
     ends: [u32; 2],
 }
 
@@ -62,15 +63,18 @@ impl ClosedMesh {
         self.triangles[triangle as usize].map(|v| self.positions[v as usize])
     }
 
-    /// The triangles at both ends of the edge that a ray is aimed at.
+    /// The triangles at both ends of the edge that a ray is aimed at, some more than once; the
+    /// likeliest first.
     pub(crate) fn around(&self, ray: &AimedRay) -> impl Iterator<Item = u32> {
-        ray.ends.into_iter().flat_map(|v| &self.fans[v as usize]).copied()
+        let fans = ray.ends.into_iter().flat_map(|v| &self.fans[v as usize]);
+        std::iter::once(ray.triangle).chain(fans.copied())
     }
 
     pub(crate) fn ray(&self, aim: Aim, random: &mut Random) -> AimedRay {
-        let triangle = self.triangles[pick(random, self.triangles.len())];
+        let triangle = pick(random, self.triangles.len());
+        let corners = self.triangles[triangle];
         let corner = pick(random, 3);
-        let ends = [triangle[corner], triangle[(corner + 1) % 3]];
+        let ends = [corners[corner], corners[(corner + 1) % 3]];
         let [a, b] = ends.map(|v| self.positions[v as usize]);
         let at_vertex = match aim.target {
             Target::Edges => false,
@@ -80,7 +84,7 @@ impl ClosedMesh {
         let o = aim.center + aim.reach * random.in_cube();
         let d = if at_vertex { a } else { a + random.unit() * (b - a) } - o;
         let is_unit = pick(random, 2) == 0;
-        AimedRay { o, d: if is_unit { d.normalize() } else { d }, ends }
+        AimedRay { o, d: if is_unit { d.normalize() } else { d }, triangle: triangle as u32, ends }
     }
 
     /// How many of `count` rays `hits` finds no triangle for. Those around the edge come

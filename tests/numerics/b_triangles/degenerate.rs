@@ -34,7 +34,8 @@ fn unsound<const FUSED: bool>(mesh: &ClosedMesh, count: u32) -> f64 {
     for _ in 0..count {
         let ray = mesh.ray(INSIDE, &mut random);
         let hits = |t: u32| hit::<FUSED>(ray.o, ray.d, mesh.corners(t));
-        unsound += (0..mesh.triangles.len() as u32).filter_map(hits).filter(|h| !is_sound(*h)).count();
+        unsound +=
+            (0..mesh.triangles.len() as u32).filter_map(hits).filter(|h| !is_sound(*h)).count();
     }
     unsound as f64
 }
@@ -42,8 +43,18 @@ fn unsound<const FUSED: bool>(mesh: &ClosedMesh, count: u32) -> f64 {
 #[test]
 fn b4_triangles_without_area_open_no_gap() {
     let mesh = cube(true);
-    assert_at_most("B4", "leaks of 1e6, flat triangles on edges, plain", leaks::<false>(&mesh, 1_000_000, 41), 0.0);
-    assert_at_most("B4", "leaks of 1e6, flat triangles on edges, fused", leaks::<true>(&mesh, 1_000_000, 42), 0.0);
+    assert_at_most(
+        "B4",
+        "leaks of 1e6, flat triangles on edges, plain",
+        leaks::<false>(&mesh, 1_000_000, 41),
+        0.0,
+    );
+    assert_at_most(
+        "B4",
+        "leaks of 1e6, flat triangles on edges, fused",
+        leaks::<true>(&mesh, 1_000_000, 42),
+        0.0,
+    );
     assert_at_most("B4", "unsound hits of 1e5 rays, plain", unsound::<false>(&mesh, 100_000), 0.0);
     assert_at_most("B4", "unsound hits of 1e5 rays, fused", unsound::<true>(&mesh, 100_000), 0.0);
 }
@@ -70,8 +81,18 @@ fn b4_triangles_without_area_are_missed() {
 #[test]
 fn b5_needles_do_not_leak() {
     let mesh = needles();
-    assert_at_most("B5", "leaks of 1e7, strips 1e6:1, plain", leaks::<false>(&mesh, 10_000_000, 50), 0.0);
-    assert_at_most("B5", "leaks of 1e6, strips 1e6:1, fused", leaks::<true>(&mesh, 1_000_000, 51), 0.0);
+    assert_at_most(
+        "B5",
+        "leaks of 1e7, strips 1e6:1, plain",
+        leaks::<false>(&mesh, 10_000_000, 50),
+        0.0,
+    );
+    assert_at_most(
+        "B5",
+        "leaks of 1e6, strips 1e6:1, fused",
+        leaks::<true>(&mesh, 1_000_000, 51),
+        0.0,
+    );
 }
 
 /// A needle without neighbours may be missed: nothing says to which side its width rounds.

@@ -93,8 +93,7 @@ fn b2_a_billion_contracted_edge_rays_do_not_leak() {
 }
 
 /// About 1e-6, 1e-4, 1, 1e4 and 1e6, as powers of two: scaling rounds nothing.
-pub(super) const SIZES: [f32; 5] =
-    [1.0 / 1_048_576.0, 1.0 / 8192.0, 1.0, 8192.0, 1_048_576.0];
+pub(super) const SIZES: [f32; 5] = [1.0 / 1_048_576.0, 1.0 / 8192.0, 1.0, 8192.0, 1_048_576.0];
 
 /// Rays whose hits on the triangles around their edge differ in a bit between two sizes, of
 /// `count`.
@@ -129,6 +128,11 @@ fn b3_size_changes_no_decision() {
         let aim = aim((Vec3::ZERO, size), Target::Both);
         let leaks = |f: fn(Vec3, Vec3, [Vec3; 3]) -> bool| mesh.leaks(aim, 200_000, 32, f) as f64;
         assert_at_most("B3", &format!("leaks of 2e5, size {size}"), leaks(product::<false>), 0.0);
-        assert_at_most("B3", &format!("leaks of 2e5, fused, size {size}"), leaks(product::<true>), 0.0);
+        assert_at_most(
+            "B3",
+            &format!("leaks of 2e5, fused, size {size}"),
+            leaks(product::<true>),
+            0.0,
+        );
     }
 }

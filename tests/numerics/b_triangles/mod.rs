@@ -1,9 +1,9 @@
 //! Rays and triangles.
 
 mod degenerate;
-//mod device;
+mod device;
 mod edges;
 mod naive;
-//mod points;
+mod points;
 mod slivers;
-//mod ties;
+mod ties;
