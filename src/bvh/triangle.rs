@@ -17,7 +17,8 @@
 //! so that neighbours get the same bits, and `w_i` is the edge function there,
 //! which is antisymmetric to the bit (Woop, Benthin and Wald 2013). Both ends of
 //! an edge come in one canonical order, so that this also holds where a compiler
-//! fuses a multiplication with one half of the difference.
+//! fuses a multiplication with one half of the difference; an edge whose ends fall
+//! together counts as 0, or a triangle too far away for its size would be hit by any ray.
 //!
 //! # Why no ray is lost
 //!
@@ -192,9 +193,12 @@ fn shear<const FUSED: bool>(p: Vec3, d: Vec3) -> Vec2 {
     Vec2::new(mul_add::<FUSED>(-s.x, z, x), mul_add::<FUSED>(-s.y, z, y))
 }
 
-/// `a.x b.y - a.y b.x`, and exactly minus this with the ends exchanged.
+/// `a.x b.y - a.y b.x`, and exactly minus this with the ends exchanged: so 0 for one and the same
+/// point, for which a fused evaluation alone would give the rounding error of a product.
 fn edge<const FUSED: bool>(a: Vec2, b: Vec2) -> f32 {
-    if a.x < b.x || (a.x == b.x && a.y < b.y) {
+    if a == b {
+        0.0
+    } else if a.x < b.x || (a.x == b.x && a.y < b.y) {
         mul_add::<FUSED>(a.x, b.y, -(a.y * b.x))
     } else {
         -mul_add::<FUSED>(b.x, a.y, -(b.y * a.x))

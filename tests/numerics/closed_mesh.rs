@@ -5,6 +5,7 @@ use crate::common::{Random, Stage, lambert};
 use glam::{Affine3A, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::{PI, TAU};
+use steradian::bvh::{Aabb, BuildItem, Bvh, PrimitiveKind, Ray, any_hit, build_sah};
 use steradian::scene::{Mesh, Scene};
 
 /// Rays that one thread takes at a time.
@@ -16,6 +17,7 @@ pub(crate) struct ClosedMesh {
     pub(crate) triangles: Vec<[u32; 3]>,
     /// The triangles at each vertex.
     fans: Vec<Vec<u32>>,
+    bvh: Bvh,
 }
 
 /// What rays are aimed at.
@@ -56,7 +58,12 @@ impl ClosedMesh {
         for (i, t) in triangles.iter().enumerate() {
             t.iter().for_each(|&v| fans[v as usize].push(i as u32));
         }
-        Self { positions, triangles, fans }
+        let item = |t: &[u32; 3]| {
+            let bounds = Aabb::of_points(&t.map(|v| positions[v as usize]));
+            BuildItem { bounds, kind: PrimitiveKind::Triangle }
+        };
+        let bvh = build_sah(&triangles.iter().map(item).collect::<Vec<_>>());
+        Self { positions, triangles, fans, bvh }
     }
 
     pub(crate) fn corners(&self, triangle: u32) -> [Vec3; 3] {
@@ -88,7 +95,8 @@ impl ClosedMesh {
     }
 
     /// How many of `count` rays `hits` finds no triangle for. Those around the edge come
-    /// first: nearly every ray meets one of them.
+    /// first: nearly every ray meets one of them. A ray for which the tree finds none either
+    /// is held against all.
     pub(crate) fn leaks(
         &self,
         aim: Aim,
@@ -101,8 +109,12 @@ impl ClosedMesh {
             let rays = CHUNK.min(count - chunk * CHUNK);
             let is_leak = |_: &u64| {
                 let ray = self.ray(aim, &mut random);
-                let mut all = self.around(&ray).chain(0..self.triangles.len() as u32);
-                !all.any(|t| hits(ray.o, ray.d, self.corners(t)))
+                let (o, d) = (ray.o, ray.d);
+                let hits = |t: u32| hits(o, d, self.corners(t));
+                let ray_of_tree = Ray { o, d, t_max: f32::MAX };
+                !(self.around(&ray).any(hits)
+                    || any_hit(&self.bvh, &ray_of_tree, |_, t, _| hits(t).then_some(1.0))
+                    || (0..self.triangles.len() as u32).any(hits))
             };
             (0..rays).filter(is_leak).count() as u64
         };
