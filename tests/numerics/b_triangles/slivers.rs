@@ -36,7 +36,7 @@ fn sliver(random: &mut Random) -> Sliver {
     let o = length(random) * random.in_cube();
     let (u, v) = (1.4 * random.unit() - 0.2, 1.4 * random.unit() - 0.2);
     let d = a + u * (b - a) + v * (c - a) - o;
-    let is_aimed = d != Vec3::ZERO && random.bits() % 4 != 0;
+    let is_aimed = d != Vec3::ZERO && !random.bits().is_multiple_of(4);
     let d = if is_aimed { d / d.abs().max_element() } else { random.direction() };
     Sliver { o, d, v: [a, b, c] }
 }

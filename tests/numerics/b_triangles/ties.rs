@@ -1,11 +1,14 @@
-//! Coincident triangles: B9, on the device. What is seen follows the order of the scene, not that
+//! Coincident triangles: B9. What is seen follows the order of the scene, not that
 //! of the tree.
 
-use crate::common::{Random, Stage, assert_at_least, assert_at_most, assert_naive_fails};
-use crate::common::{emitter, lambert, settings, with_device};
+use crate::common::{
+    Primitive, Random, Stage, World, assert_at_least, assert_at_most, assert_naive_fails, emitter,
+    lambert, settings, soup, with_device,
+};
 use crate::traced::{Query, Walk, trace};
 use glam::{Affine3A, Vec3};
 use std::borrow::Cow;
+use steradian::bvh::Ray;
 use steradian::passes::Tuning;
 use steradian::scene::{Mesh, Scene};
 use steradian::settings::{Accel, Strategy};
@@ -104,4 +107,42 @@ fn b9_all_walks_see_the_same_of_coincident_quads() {
         let what = format!("of 65536 rays, hits other than by brute force, device, {walk:?}");
         assert_at_most("B9", &what, differ as f64, 0.0);
     }
+}
+
+/// Two coincident quads in four orders, one of them so large that its vertices are known to 1e-2
+/// only: the lower index wins always, whatever the tree.
+#[test]
+fn b9_ties_go_to_the_lowest_index() {
+    let mut random = Random(250);
+    let (mut hits, mut wrong) = (0, 0);
+    for (size, slope, offset) in [(9.0, 0.1, 0.0), (9.0, 0.1, 1e3), (9e4, 0.0, 0.3)] {
+        let point = |x: f32, z: f32| Vec3::new(x, slope * x + offset, z);
+        let corner = |x: f32, z: f32| point(size * x, size * z);
+        let (a, b) = (corner(-1.0, -1.0), corner(1.0, -1.0));
+        let (c, d) = (corner(1.0, 1.0), corner(-1.0, 1.0));
+        let quad = [Primitive::Triangle([a, b, c]), Primitive::Triangle([a, c, d])];
+        let fill = soup(30, 10, &mut random);
+        for order in 0..4 {
+            let mut primitives = Vec::new();
+            for i in 0..4 {
+                primitives.push(quad[(i + order) % 2]);
+                primitives.extend(&fill[10 * i..10 * i + 10 * (i + order) / 6]);
+            }
+            for world in World::each(&format!("order {order}"), &primitives) {
+                for _ in 0..5_000 {
+                    let target = point(9.0 * random.unit(), 9.0 * random.unit());
+                    let o = target + 3.0 * random.in_cube();
+                    let ray = Ray { o, d: random.in_cube(), t_max: f32::MAX };
+                    let expected = world.brute_force::<false>(&ray);
+                    hits += u32::from(expected.is_some());
+                    wrong += u32::from(!world.is_right::<false>(&ray, expected));
+                    let expected = world.brute_force::<true>(&ray);
+                    wrong += u32::from(!world.is_right::<true>(&ray, expected));
+                }
+            }
+        }
+    }
+    let what = "of 2.4e5 rays at coincident quads in 4 orders, not the first of equal hits";
+    assert_at_most("B9", what, f64::from(wrong), 0.0);
+    assert_at_least("B9", "of 1.2e5 of them, hits", f64::from(hits), 3e4);
 }
