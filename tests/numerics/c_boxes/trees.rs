@@ -1,14 +1,14 @@
 //! Trees over items that are hard to split, and over random ones: C4, C5 and C8.
 
 use crate::common::{
-    BUILDERS, Primitive, Random, Stage, World, assert_at_least, assert_at_most, emitter, items,
+    BUILDERS, Primitive, Random, Stage, World, assert_at_least, assert_at_most, emitter,
     random_ray, report, scene_of, settings, soup, with_device,
 };
 use crate::traced::{Query, Walk, trace};
 use glam::{Affine3A, Vec3};
 use rayon::prelude::*;
 use std::time::Instant;
-use steradian::bvh::{BuildItem, MAX_DEPTH, Ray};
+use steradian::bvh::{MAX_DEPTH, Ray};
 use steradian::scene::Mesh;
 use steradian::settings::Strategy;
 use steradian::shader::generated::Fault;
@@ -86,6 +86,12 @@ fn wedge(size: f32) -> Primitive {
     Primitive::Triangle([Vec3::ZERO, Vec3::X, Vec3::Y].map(|v| size * (v + Vec3::ONE)))
 }
 
+/// Sizes from 1e-30 to 1e30, each a little larger than the one before.
+fn progression(count: usize) -> Vec<Primitive> {
+    let size = |i: usize| 10.0f32.powf(60.0 * i as f32 / count as f32 - 30.0);
+    (0..count).map(|i| wedge(size(i))).collect()
+}
+
 /// At wedges of all sizes from 2^-50 to 2^50.
 fn wedge_ray(random: &mut Random) -> Ray {
     let size = 2.0f32.powf(100.0 * random.unit() - 50.0);
@@ -114,13 +120,17 @@ fn c5_sizes_in_a_progression_do_not_make_a_tree_deep() {
         assert_at_most("C5", &what, f64::from(wrong), 0.0);
         assert_at_least("C5", "of 2e4 of them, hits", f64::from(hits), 2e3);
     }
-    let size = |i: u32| 10.0f32.powf(60.0 * i as f32 / 1e5 - 30.0);
-    let progression: Vec<BuildItem> = (0..100_000).map(|i| wedge(size(i)).item()).collect();
-    for (name, build) in BUILDERS {
-        let statistics =
-            build(&progression).validate(&progression).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let what = format!("depth, 1e5 wedges in a progression of 60 decades, {name}");
-        assert_at_most("C5", &what, f64::from(statistics.depth), f64::from(MAX_DEPTH));
+    let many = progression(100_000);
+    for world in World::each("1e5 wedges over 60 decades", &many) {
+        let depth = f64::from(world.bvh.depth);
+        assert_at_most("C5", &format!("depth, {}", world.name), depth, f64::from(MAX_DEPTH));
+        let is_wrong = |_: &u32| {
+            let ray = wedge_ray(&mut random);
+            !world.is_right::<false>(&ray, world.brute_force::<false>(&ray))
+        };
+        let wrong = (0..40).filter(is_wrong).count();
+        let what = format!("of 40 rays, {}, not as brute force", world.name);
+        assert_at_most("C5", &what, wrong as f64, 0.0);
     }
 }
 
@@ -146,23 +156,14 @@ fn c5_the_stack_is_large_enough_on_the_device() {
     let hits = expected.iter().filter(|a| a.source().is_some()).count();
     assert_at_least("C5", "of them, hits", hits as f64, 3e3);
 
-    let progression: Vec<Primitive> =
-        (0..100_000).map(|i| wedge(10.0f32.powf(20.0 * i as f32 / 1e5 - 10.0))).collect();
+    let queries = &queries[..1024];
+    let progression = progression(4000);
     let scene = scene_of(&progression);
-    let world = World {
-        name: String::new(),
-        bvh: BUILDERS[0].1(&items(&progression)),
-        primitives: progression,
-    };
-    let queries = &queries[..64];
+    let expected = trace(&scene, Walk::BruteForce, queries);
     for walk in Walk::over_trees() {
         let answers = trace(&scene, walk, queries);
-        let differs = |(q, a): (&Query, _)| {
-            let hit = world.brute_force::<false>(&Ray { o: q.o, d: q.d, t_max: f32::MAX });
-            hit.map(|h| h.item) != crate::traced::Answer::source(a)
-        };
-        let differ = queries.iter().zip(&answers).filter(|&pair| differs(pair)).count();
-        let what = format!("of 64 rays at 1e5 wedges, not as brute force, device, {walk:?}");
+        let differ = answers.iter().zip(&expected).filter(|(a, b)| a != b).count();
+        let what = format!("of 1024 rays at 4e3 wedges, not as brute force, device, {walk:?}");
         assert_at_most("C5", &what, differ as f64, 0.0);
     }
 }
