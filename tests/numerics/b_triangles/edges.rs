@@ -75,7 +75,7 @@ fn b2_contraction_does_not_leak() {
 }
 
 #[test]
-#[ignore = "tier N: about 10 minutes"]
+#[ignore = "tier N: about 4 minutes"]
 fn b1_a_billion_edge_rays_do_not_leak() {
     let edges = leaks::<false>(Target::Edges, 1_000_000_000, 50);
     assert_at_most("B1", "leaks of 1e9 edge rays, 4 placements, plain", edges, 0.0);
