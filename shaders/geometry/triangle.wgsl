@@ -24,13 +24,14 @@ const UNCERTAINTY_FLOOR: f32 = 1.9073486328125e-6;
 const GREATEST_T: f32 = 1e30;
 
 // Both ends in one canonical order: neighbours get opposite results to the bit
-// also where a compiler fuses one product with the difference.
+// also where a compiler fuses one product with the difference. That would leave a rounding
+// error where both ends are one point.
 fn triangle_edge(a: vec2<f32>, b: vec2<f32>) -> f32 {
     let swap = !(a.x < b.x || (a.x == b.x && a.y < b.y));
     let p = select(a, b, swap);
     let q = select(b, a, swap);
     let e = p.x * q.y - p.y * q.x;
-    return select(e, -e, swap);
+    return select(select(e, -e, swap), 0.0, all(a == b));
 }
 
 // Edge functions of the vertices sheared along d into a plane (Woop, Benthin and

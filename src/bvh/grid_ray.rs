@@ -31,6 +31,7 @@
 //! A direction below `1e-18` moves less than the margin over any distance at which
 //! f32 still tells points of the scene apart, so replacing it does not matter.
 
+use super::arithmetic::mul_add;
 use super::{Bvh, BvhChild};
 use glam::Vec3;
 
@@ -40,9 +41,10 @@ pub const BOX_ERROR: f32 = 1.0 / 524_288.0;
 /// Components of directions below this are replaced by it before the reciprocal.
 pub const MIN_DIRECTION: f32 = 1e-18;
 
-/// A ray prepared for the boxes of one tree.
+/// A ray prepared for the boxes of one tree. With `FUSED`, as a compiler would evaluate
+/// it that turns every `a * b + c` into one operation.
 #[derive(Debug, Clone, Copy)]
-pub struct GridRay {
+pub struct GridRay<const FUSED: bool = false> {
     scale: Vec3,
     near: Vec3,
     far: Vec3,
@@ -50,17 +52,31 @@ pub struct GridRay {
 }
 
 impl GridRay {
-    /// Prepares the ray `o + t d`.
+    /// Prepares the ray `o + t d`, nothing fused.
     pub fn new(bvh: &Bvh, o: Vec3, d: Vec3) -> Self {
+        Self::prepare(bvh, o, d)
+    }
+}
+
+impl<const FUSED: bool> GridRay<FUSED> {
+    /// Prepares the ray `o + t d`.
+    pub fn prepare(bvh: &Bvh, o: Vec3, d: Vec3) -> Self {
         let inverse =
             d.map(|c| 1.0 / if c.abs() < MIN_DIRECTION { MIN_DIRECTION.copysign(c) } else { c });
         let scale = bvh.grid_scale * inverse;
         let offset = (bvh.grid_min - o) * inverse;
-        let error = BOX_ERROR * (offset.abs() + super::GRID_MAX as f32 * scale.abs());
+        let largest = |axis: usize| {
+            let (b, s) = (offset[axis].abs(), scale[axis].abs());
+            mul_add::<FUSED>(super::GRID_MAX as f32, s, b)
+        };
+        let widened = |by: f32| {
+            let bias = |axis: usize| mul_add::<FUSED>(by, largest(axis), offset[axis]);
+            Vec3::new(bias(0), bias(1), bias(2))
+        };
         Self {
             scale,
-            near: offset - error,
-            far: offset + error,
+            near: widened(-BOX_ERROR),
+            far: widened(BOX_ERROR),
             is_positive: inverse.to_array().map(|c| c >= 0.0),
         }
     }
@@ -76,8 +92,8 @@ impl GridRay {
             } else {
                 (upper[axis], lower[axis])
             };
-            t_near = t_near.max(near as f32 * self.scale[axis] + self.near[axis]);
-            t_far = t_far.min(far as f32 * self.scale[axis] + self.far[axis]);
+            t_near = t_near.max(mul_add::<FUSED>(near as f32, self.scale[axis], self.near[axis]));
+            t_far = t_far.min(mul_add::<FUSED>(far as f32, self.scale[axis], self.far[axis]));
         }
         (t_near <= t_far).then_some(t_near)
     }

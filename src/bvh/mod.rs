@@ -7,10 +7,12 @@
 //! [`BvhNode`] says how a node is laid out, [`GridRay`] how a ray meets its boxes, and
 //! [`closest_hit`] and [`any_hit`] are the traversal as the shaders do it.
 //! [`triangle_hit`], [`sphere_hit`] and [`sphere_hit_anchored`] are the shaders'
-//! intersection functions in the same arithmetic.
+//! intersection functions in the same arithmetic. Names in `_as` take the arithmetic as a
+//! parameter: plain, or with every multiplication and addition fused, as devices may.
 //!
 //! [`Bvh::validate`] proves a tree and measures it.
 
+mod arithmetic;
 mod bounds;
 mod build_median;
 mod build_sah;
@@ -34,8 +36,8 @@ pub use node::{
     LEAF_KIND_MASK, LEAF_KIND_SHIFT, Link, MAX_ITEMS, UPPER_PLANE_SHIFT,
 };
 pub use sphere::{sphere_hit, sphere_hit_anchored};
-pub use traverse::{ItemHit, Ray, any_hit, closest_hit};
-pub use triangle::{TriangleHit, triangle_hit};
+pub use traverse::{ItemHit, Ray, any_hit, any_hit_as, closest_hit, closest_hit_as};
+pub use triangle::{TriangleHit, triangle_hit, triangle_hit_as};
 pub use validate::BvhStatistics;
 
 use glam::Vec3;

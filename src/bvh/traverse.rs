@@ -36,10 +36,19 @@ impl ItemHit {
 pub fn closest_hit(
     bvh: &Bvh,
     ray: &Ray,
+    intersect: impl FnMut(PrimitiveKind, u32, f32) -> Option<f32>,
+) -> Option<ItemHit> {
+    closest_hit_as::<false>(bvh, ray, intersect)
+}
+
+/// [`closest_hit`]; with `FUSED`, boxes are met in fused arithmetic.
+pub fn closest_hit_as<const FUSED: bool>(
+    bvh: &Bvh,
+    ray: &Ray,
     mut intersect: impl FnMut(PrimitiveKind, u32, f32) -> Option<f32>,
 ) -> Option<ItemHit> {
     let mut best: Option<ItemHit> = None;
-    traverse(bvh, ray, |kind, item, cull| {
+    traverse::<FUSED>(bvh, ray, |kind, item, cull| {
         if let Some(t) = intersect(kind, item, ray.t_max) {
             let hit = ItemHit { t, item };
             if best.is_none_or(|b| hit.is_before(&b)) {
@@ -56,10 +65,19 @@ pub fn closest_hit(
 pub fn any_hit(
     bvh: &Bvh,
     ray: &Ray,
+    intersect: impl FnMut(PrimitiveKind, u32, f32) -> Option<f32>,
+) -> bool {
+    any_hit_as::<false>(bvh, ray, intersect)
+}
+
+/// [`any_hit`]; with `FUSED`, boxes are met in fused arithmetic.
+pub fn any_hit_as<const FUSED: bool>(
+    bvh: &Bvh,
+    ray: &Ray,
     mut intersect: impl FnMut(PrimitiveKind, u32, f32) -> Option<f32>,
 ) -> bool {
     let mut found = false;
-    traverse(bvh, ray, |kind, item, _| {
+    traverse::<FUSED>(bvh, ray, |kind, item, _| {
         found = intersect(kind, item, ray.t_max).is_some();
         !found
     });
@@ -69,8 +87,12 @@ pub fn any_hit(
 /// Calls `visit` for the items in all boxes that the ray meets, nearer child first.
 /// `visit` may lower the t beyond which boxes are skipped, and ends the traversal
 /// with `false`.
-fn traverse(bvh: &Bvh, ray: &Ray, mut visit: impl FnMut(PrimitiveKind, u32, &mut f32) -> bool) {
-    let grid_ray = GridRay::new(bvh, ray.o, ray.d);
+fn traverse<const FUSED: bool>(
+    bvh: &Bvh,
+    ray: &Ray,
+    mut visit: impl FnMut(PrimitiveKind, u32, &mut f32) -> bool,
+) {
+    let grid_ray = GridRay::<FUSED>::prepare(bvh, ray.o, ray.d);
     let mut cull = ray.t_max;
     let mut stack = [0; MAX_DEPTH as usize];
     let mut stack_size = 0;

@@ -17,7 +17,8 @@
 //! so that neighbours get the same bits, and `w_i` is the edge function there,
 //! which is antisymmetric to the bit (Woop, Benthin and Wald 2013). Both ends of
 //! an edge come in one canonical order, so that this also holds where a compiler
-//! fuses a multiplication with one half of the difference.
+//! fuses a multiplication with one half of the difference; an edge whose ends fall
+//! together counts as 0, or a triangle too far away for its size would be hit by any ray.
 //!
 //! # Why no ray is lost
 //!
@@ -64,6 +65,7 @@
 //! by units of the vertices' distance; the limits hold it where the determinant is all
 //! error. It orders hits; the point for shading is interpolated from the vertices.
 
+use super::arithmetic::{cross, dot, mul_add};
 use glam::{Vec2, Vec3};
 
 /// Where a ray meets a triangle.
@@ -96,12 +98,12 @@ pub fn triangle_hit(
     v2: Vec3,
     t_max: f32,
 ) -> Option<TriangleHit> {
-    hit::<false>(o, d, v0, v1, v2, t_max)
+    triangle_hit_as::<false>(o, d, v0, v1, v2, t_max)
 }
 
 /// [`triangle_hit`]; with `FUSED`, as a compiler would evaluate it that turns every
 /// `a * b + c` into one operation.
-fn hit<const FUSED: bool>(
+pub fn triangle_hit_as<const FUSED: bool>(
     o: Vec3,
     d: Vec3,
     v0: Vec3,
@@ -159,7 +161,7 @@ fn hit<const FUSED: bool>(
     let t = if height.abs() / GREATEST_T < det.abs() {
         (height / det).max(t0.min(t1).min(t2)).min(t0.max(t1).max(t2))
     } else {
-        w0 / total * t0 + u * t1 + v * t2
+        mul_add::<FUSED>(v, t2, mul_add::<FUSED>(u, t1, w0 / total * t0))
     };
     (t > 0.0 && t < t_max).then_some(TriangleHit { t, u, v })
 }
@@ -191,9 +193,12 @@ fn shear<const FUSED: bool>(p: Vec3, d: Vec3) -> Vec2 {
     Vec2::new(mul_add::<FUSED>(-s.x, z, x), mul_add::<FUSED>(-s.y, z, y))
 }
 
-/// `a.x b.y - a.y b.x`, and exactly minus this with the ends exchanged.
+/// `a.x b.y - a.y b.x`, and exactly minus this with the ends exchanged: so 0 for one and the same
+/// point, for which a fused evaluation alone would give the rounding error of a product.
 fn edge<const FUSED: bool>(a: Vec2, b: Vec2) -> f32 {
-    if a.x < b.x || (a.x == b.x && a.y < b.y) {
+    if a == b {
+        0.0
+    } else if a.x < b.x || (a.x == b.x && a.y < b.y) {
         mul_add::<FUSED>(a.x, b.y, -(a.y * b.x))
     } else {
         -mul_add::<FUSED>(b.x, a.y, -(b.y * a.x))
@@ -202,22 +207,6 @@ fn edge<const FUSED: bool>(a: Vec2, b: Vec2) -> f32 {
 
 fn sum(v: Vec3) -> f32 {
     v.x + v.y + v.z
-}
-
-fn mul_add<const FUSED: bool>(a: f32, b: f32, c: f32) -> f32 {
-    if FUSED { a.mul_add(b, c) } else { a * b + c }
-}
-
-fn dot<const FUSED: bool>(a: Vec3, b: Vec3) -> f32 {
-    mul_add::<FUSED>(a.z, b.z, mul_add::<FUSED>(a.y, b.y, a.x * b.x))
-}
-
-fn cross<const FUSED: bool>(a: Vec3, b: Vec3) -> Vec3 {
-    Vec3::new(
-        mul_add::<FUSED>(a.y, b.z, -(a.z * b.y)),
-        mul_add::<FUSED>(a.z, b.x, -(a.x * b.z)),
-        mul_add::<FUSED>(a.x, b.y, -(a.y * b.x)),
-    )
 }
 
 #[cfg(test)]

@@ -12,12 +12,14 @@ mod estimate;
 mod random;
 mod record;
 mod stage;
+mod world;
 
 pub(crate) use batch::{Call, harness};
 pub(crate) use estimate::{Estimate, assert_agree, assert_constant, assert_truth, grey};
 pub(crate) use random::Random;
 pub(crate) use record::{assert_at_least, assert_at_most, assert_naive_fails, report};
 pub(crate) use stage::{Stage, emitter, lambert, quad_mesh, with_uvs};
+pub(crate) use world::{BUILDERS, Primitive, World, items, random_ray, scene_of, soup};
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};

@@ -1,0 +1,9 @@
+//! Rays and triangles.
+
+mod degenerate;
+mod device;
+mod edges;
+mod naive;
+mod points;
+mod slivers;
+mod ties;

@@ -1,1 +1,0 @@
-//! Rays, boxes and trees.
