@@ -21,6 +21,7 @@ pub mod gpu;
 pub mod image;
 pub mod layout;
 pub mod passes;
+pub mod reference;
 pub mod renderer;
 pub mod scene;
 pub mod settings;

@@ -5,7 +5,6 @@ use super::job::Job;
 use super::talk::{self, Verbosity, with_prefix};
 use std::time::Duration;
 use steradian::film::{ErrorEstimate, Film};
-use steradian::gpu::DeviceInfo;
 use steradian::renderer::RenderStatistics;
 use steradian::scene::Treatment;
 use steradian::shader::generated::Fault;
@@ -13,11 +12,18 @@ use steradian::shader::generated::Fault;
 /// All that is known when a render has ended.
 pub(super) struct Outcome<'a> {
     pub(super) job: &'a Job,
-    pub(super) device: &'a DeviceInfo,
+    pub(super) device: &'a DeviceName,
     pub(super) film: &'a Film,
     pub(super) statistics: &'a RenderStatistics,
     /// The exit code of the signal that stopped it, if one did.
     pub(super) stop_code: Option<u8>,
+}
+
+/// What made the picture.
+pub(super) struct DeviceName {
+    pub(super) name: String,
+    /// Driver name and version; empty for the reference.
+    pub(super) driver: String,
 }
 
 impl Outcome<'_> {
@@ -28,10 +34,10 @@ impl Outcome<'_> {
 }
 
 /// Before anything is built.
-pub(super) fn job(verbosity: Verbosity, job: &Job, device: &DeviceInfo) {
+pub(super) fn job(verbosity: Verbosity, job: &Job, device: &str) {
     let seconds = talk::duration(job.load_seconds);
     verbosity.detail(&format!("scene {}, read in {seconds}", job.scene.name));
-    verbosity.detail(&format!("device {} {} ({})", device.index, device.name, device.driver));
+    verbosity.detail(&format!("device {device}"));
 }
 
 /// When everything is built and compiled.

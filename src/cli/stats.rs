@@ -1,5 +1,6 @@
 //! Statistics of a render as JSON, for programs.
 
+use super::reference;
 use super::report::Outcome;
 use super::values::{STRATEGIES, word_for};
 use serde::Serialize;
@@ -78,7 +79,10 @@ fn stats<'a>(outcome: &Outcome<'a>) -> Stats<'a> {
         width: settings.resolution.0,
         height: settings.resolution.1,
         window: [window.x, window.y, window.width, window.height],
-        strategy: word_for(STRATEGIES, &settings.strategy),
+        strategy: match outcome.job.is_reference {
+            true => reference::WORD,
+            false => word_for(STRATEGIES, &settings.strategy),
+        },
         seed: settings.seed,
         block: settings.block_size,
         spp: outcome.film.least_samples(),
