@@ -58,8 +58,8 @@ fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
     let entries = [
         ("version", text(env!("CARGO_PKG_VERSION"))),
         ("scene", text(&outcome.job.scene.name)),
-        ("device", text(&outcome.device.name)),
-        ("driver", text(&outcome.device.driver)),
+        ("device", text(outcome.device)),
+        ("driver", text(outcome.driver)),
         ("spp", number(outcome.film.least_samples())),
         ("block", number(settings.block_size)),
         ("seed", number(settings.seed)),

@@ -2,10 +2,11 @@
 
 use super::job::Job;
 use super::progress::{Progress, while_busy};
-use super::render::Rendered;
-use super::report::{self, DeviceName};
+use super::render::Call;
+use super::report::{self, Outcome};
 use super::signals::StopRequest;
-use super::talk::{self, Verbosity};
+use super::talk;
+use std::process::ExitCode;
 use std::time::Instant;
 use steradian::Result;
 use steradian::reference::Reference;
@@ -16,9 +17,9 @@ use steradian::shader::generated::Fault;
 pub(super) const WORD: &str = "reference";
 
 /// Renders on the processor.
-pub(super) fn render(verbosity: Verbosity, job: &Job) -> Result<Rendered> {
-    let name = "reference, f64 on the processor";
-    report::job(verbosity, job, name);
+pub(super) fn run(call: &Call, job: &Job) -> Result<ExitCode> {
+    let (verbosity, device) = (call.verbosity, "reference, f64 on the processor");
+    report::job(verbosity, job, device);
     let begin = Instant::now();
     let reference =
         while_busy(verbosity, "building the tree", || Reference::new(&job.scene, &job.settings))?;
@@ -45,10 +46,12 @@ pub(super) fn render(verbosity: Verbosity, job: &Job) -> Result<Rendered> {
     };
     statistics.faults[Fault::NonFinite as usize] = tally.non_finite;
     statistics.faults[Fault::LoopBound as usize] = tally.cut_off;
-    Ok(Rendered {
-        device: DeviceName { name: name.into(), driver: String::new() },
-        film,
-        statistics,
+    call.conclude(&Outcome {
+        job,
+        device,
+        driver: "",
+        film: &film,
+        statistics: &statistics,
         stop_code: stop.exit_code(),
     })
 }

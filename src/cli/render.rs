@@ -4,25 +4,22 @@ use super::destination::Destinations;
 use super::flags::RenderFlags;
 use super::job::Job;
 use super::progress::{Progress, while_busy};
-use super::report::{self, DeviceName, Outcome};
+use super::report::{self, Outcome};
 use super::signals::StopRequest;
 use super::talk::Verbosity;
 use super::{output, reference, stats};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
-use steradian::film::Film;
 use steradian::gpu::Device;
-use steradian::renderer::RenderStatistics;
 use steradian::{Error, Renderer, Result};
 
-/// What a render gives.
-pub(super) struct Rendered {
-    pub(super) device: DeviceName,
-    pub(super) film: Film,
-    pub(super) statistics: RenderStatistics,
-    /// The exit code of the signal that stopped it, if one did.
-    pub(super) stop_code: Option<u8>,
+/// One call of `steradian render`.
+pub(super) struct Call<'a> {
+    start: Instant,
+    flags: &'a RenderFlags,
+    destinations: Destinations,
+    pub(super) verbosity: Verbosity,
 }
 
 /// Renders, writes what was asked for, and says what came of it.
@@ -30,29 +27,15 @@ pub(super) fn run(flags: &RenderFlags) -> Result<ExitCode> {
     let start = Instant::now();
     let verbosity = flags.verbosity();
     let destinations = Destinations::check(flags)?;
+    let call = Call { start, flags, destinations, verbosity };
     use_threads(flags.threads)?;
     let job = while_busy(verbosity, "reading the scene", || Job::new(flags))?;
-    let rendered = if job.is_reference {
-        reference::render(verbosity, &job)?
-    } else {
-        let device = Arc::new(Device::open(flags.device.as_deref())?);
-        render(verbosity, &job, &device)?
-    };
-
-    let outcome = Outcome {
-        job: &job,
-        device: &rendered.device,
-        film: &rendered.film,
-        statistics: &rendered.statistics,
-        stop_code: rendered.stop_code,
-    };
-    write(flags, &destinations, &outcome)?;
-    report::outcome(verbosity, &outcome, &destinations, start.elapsed());
-    Ok(outcome.stop_code.map_or(ExitCode::SUCCESS, ExitCode::from))
+    if job.is_reference { reference::run(&call, &job) } else { run_on_device(&call, &job) }
 }
 
-/// Renders on `device`.
-fn render(verbosity: Verbosity, job: &Job, device: &Arc<Device>) -> Result<Rendered> {
+fn run_on_device(call: &Call, job: &Job) -> Result<ExitCode> {
+    let verbosity = call.verbosity;
+    let device = Arc::new(Device::open(call.flags.device.as_deref())?);
     let info = device.info();
     report::job(verbosity, job, &format!("{} {} ({})", info.index, info.name, info.driver));
     let mut renderer = while_busy(verbosity, "building trees, compiling shaders", || {
@@ -67,12 +50,23 @@ fn render(verbosity: Verbosity, job: &Job, device: &Arc<Device>) -> Result<Rende
     }
     renderer.finish()?;
     progress.end();
-    Ok(Rendered {
-        device: DeviceName { name: info.name.clone(), driver: info.driver.clone() },
-        film: renderer.film().clone(),
-        statistics: renderer.statistics().clone(),
+    call.conclude(&Outcome {
+        job,
+        device: &info.name,
+        driver: &info.driver,
+        film: renderer.film(),
+        statistics: renderer.statistics(),
         stop_code: stop.exit_code(),
     })
+}
+
+impl Call<'_> {
+    /// Writes the files and says what came of it.
+    pub(super) fn conclude(&self, outcome: &Outcome) -> Result<ExitCode> {
+        write(self.flags, &self.destinations, outcome)?;
+        report::outcome(self.verbosity, outcome, &self.destinations, self.start.elapsed());
+        Ok(outcome.stop_code.map_or(ExitCode::SUCCESS, ExitCode::from))
+    }
 }
 
 fn write(flags: &RenderFlags, destinations: &Destinations, outcome: &Outcome) -> Result<()> {

@@ -12,18 +12,14 @@ use steradian::shader::generated::Fault;
 /// All that is known when a render has ended.
 pub(super) struct Outcome<'a> {
     pub(super) job: &'a Job,
-    pub(super) device: &'a DeviceName,
+    /// What made the picture.
+    pub(super) device: &'a str,
+    /// Its driver's name and version; empty for the reference.
+    pub(super) driver: &'a str,
     pub(super) film: &'a Film,
     pub(super) statistics: &'a RenderStatistics,
     /// The exit code of the signal that stopped it, if one did.
     pub(super) stop_code: Option<u8>,
-}
-
-/// What made the picture.
-pub(super) struct DeviceName {
-    pub(super) name: String,
-    /// Driver name and version; empty for the reference.
-    pub(super) driver: String,
 }
 
 impl Outcome<'_> {
