@@ -1,14 +1,13 @@
 //! One render: owns the scene on the device, the kernel and the film.
 
-mod camera;
 mod schedule;
 
 use crate::film::{BlockSum, Film};
-use crate::gpu::{Device, GpuFilmPixel, GpuFrame, GpuScene, SceneBuffers, TreeWidth};
-use crate::passes::PathTrace;
+use crate::gpu::{Device, GpuFilmPixel, GpuScene, SceneBuffers, TreeWidth};
+use crate::passes::{FloatEnvironment, PathTrace, Tuning};
 use crate::scene::Scene;
 use crate::settings::{Accel, RenderSettings};
-use crate::shader::generated::{Fault, INVALID};
+use crate::shader::generated::{Fault, INVALID, TILE_PIXELS};
 use crate::shader::{Feature, Features};
 use crate::{Error, Result};
 use schedule::Schedule;
@@ -36,6 +35,8 @@ pub struct Renderer {
 pub struct RenderStatistics {
     /// What was compiled.
     pub features: Features,
+    /// How the device computes.
+    pub float_environment: Option<FloatEnvironment>,
     /// Building trees and tables.
     pub bvh_seconds: f64,
     /// Compiling the kernel, the driver's part included.
@@ -77,6 +78,10 @@ pub struct FaultLocation {
     pub pixel: (u32, u32),
     /// Sample index.
     pub sample: u32,
+    /// Scattering events before it; `None` where the fault came up outside of a path.
+    pub bounce: Option<u32>,
+    /// Index into [`Scene::materials`] of the surface last met; `None` before the first.
+    pub material: Option<u32>,
 }
 
 impl Renderer {
@@ -85,6 +90,19 @@ impl Renderer {
     /// # Errors
     /// [`Error::Settings`], [`Error::Limit`], [`Error::DeviceLost`].
     pub fn new(device: Arc<Device>, scene: &Scene, settings: &RenderSettings) -> Result<Self> {
+        Self::with_tuning(device, scene, settings, &Tuning::default())
+    }
+
+    /// [`Renderer::new`] with other than the usual ways to cut work, or with other shaders.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`]; [`Error::Shader`] for a library that does not compile.
+    pub fn with_tuning(
+        device: Arc<Device>,
+        scene: &Scene,
+        settings: &RenderSettings,
+        tuning: &Tuning,
+    ) -> Result<Self> {
         settings.validate(scene)?;
         let begin = Instant::now();
         let has_packets = device.traces_packets() && settings.accel != Accel::None;
@@ -95,12 +113,13 @@ impl Renderer {
 
         let window = settings.window();
         let features = Features::of(scene, settings).with_if(Feature::Packets, has_packets);
-        let schedule = Schedule::new(&device, settings)?;
+        let schedule = Schedule::new(&device, settings, tuning)?;
         let begin = Instant::now();
-        let frame = frame(scene, settings, &buffers);
+        let frame = buffers.frame(scene, settings);
         let stack_size = buffers.world.stack_size.max(1);
         let region = schedule.region_tiles();
-        let mut pass = PathTrace::new(&device, &gpu_scene, features, stack_size, frame, region)?;
+        let mut pass =
+            PathTrace::new(&device, &gpu_scene, features, stack_size, frame, region, tuning)?;
         pass.clear(&device);
         pass.run(&device, Schedule::warm_up())?;
         let compile_seconds = begin.elapsed().as_secs_f64();
@@ -108,6 +127,7 @@ impl Renderer {
         let world = buffers.world.statistics();
         let statistics = RenderStatistics {
             features,
+            float_environment: Some(FloatEnvironment::of(&device)?),
             bvh_seconds,
             compile_seconds,
             triangle_count: world.triangle_count,
@@ -188,7 +208,7 @@ impl Renderer {
         let (across, _) = PathTrace::tiles(self.film.window().width, self.film.window().height);
         let pixels = self.pass.read(&self.device, tile_count)?;
         let is_block = is_whole && self.schedule.is_full_block();
-        for (tile, of_tile) in (first_tile..).zip(pixels.chunks_exact(64)) {
+        for (tile, of_tile) in (first_tile..).zip(pixels.chunks_exact(TILE_PIXELS as usize)) {
             for (local, pixel) in (0..).zip(of_tile) {
                 let (x, y) = PathTrace::pixel(tile, local, across);
                 if x < self.film.window().width && y < self.film.window().height {
@@ -221,47 +241,15 @@ impl Renderer {
         s.first_fault.get_or_insert(FaultLocation {
             pixel: (window.x + x, window.y + y),
             sample: pixel.fault_sample,
+            bounce: valid(pixel.fault_bounce),
+            material: valid(pixel.fault_material),
         });
     }
 }
 
-/// The uniforms that do not change between dispatches.
-fn frame(scene: &Scene, settings: &RenderSettings, buffers: &SceneBuffers) -> GpuFrame {
-    let window = settings.window();
-    let (tiles_across, _) = PathTrace::tiles(window.width, window.height);
-    let ([x, y, z], environment_size) = SceneBuffers::environment_frame(scene.environment.as_ref());
-    let world = buffers.world.statistics();
-    GpuFrame {
-        camera: camera::gpu_camera(&scene.cameras[settings.camera], settings.resolution),
-        environment_x: x,
-        environment_y: y,
-        environment_z: z,
-        environment_size,
-        environment_pmf: buffers.environment_pmf(),
-        light_count: buffers.light_count(),
-        resolution: settings.resolution.into(),
-        window_origin: [window.x, window.y],
-        window_size: [window.width, window.height],
-        tiles_across,
-        region_first_tile: 0,
-        dispatch_first_tile: 0,
-        sample_first: 0,
-        sample_count: 0,
-        seed: settings.seed,
-        // A path that is wanted for one term alone ends with that.
-        max_bounces: [settings.max_bounces, settings.only_bounce]
-            .into_iter()
-            .flatten()
-            .min()
-            .unwrap_or(INVALID),
-        only_bounce: settings.only_bounce.unwrap_or(INVALID),
-        light_samples: settings.light_samples,
-        triangle_count: world.triangle_count as u32,
-        sphere_count: world.sphere_count as u32,
-        attribute_base: buffers.world.attribute_base,
-        attribute_stride: buffers.world.attribute_stride,
-        padding_0: 0,
-    }
+/// What a shader's index says.
+fn valid(index: u32) -> Option<u32> {
+    (index != INVALID).then_some(index)
 }
 
 impl RenderSettings {

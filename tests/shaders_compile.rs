@@ -78,7 +78,7 @@ fn every_entry_composes_and_validates_for_every_feature_set() {
     let library = library();
     let entries: Vec<_> = library.keys().filter(|k| !k.contains('/')).collect();
     assert!(!entries.is_empty());
-    let generated = generated::wgsl(32);
+    let generated = generated::wgsl(32, 64);
     let sets = feature_sets();
     assert!(sets.len() > 200, "{} sets", sets.len());
     let mut failures = Vec::new();
@@ -112,7 +112,7 @@ fn every_entry_composes_and_validates_for_every_feature_set() {
 
 #[test]
 fn modules_have_no_entry_point() {
-    for (path, text) in library().into_iter().filter(|(path, _)| path.contains('/')) {
+    for (path, text) in library().iter().filter(|(path, _)| path.contains('/')) {
         assert!(!text.contains("@compute"), "{path}.wgsl");
     }
 }
@@ -132,7 +132,8 @@ fn no_name_is_defined_by_two_modules_that_can_meet() {
         ["strategy/light", "strategy/scatter"],
     ];
     let mut owners: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
-    for (path, text) in library() {
+    let library = library();
+    for (path, text) in &library {
         for line in text.lines().filter_map(|l| l.strip_prefix("fn ")) {
             owners.entry(line.split('(').next().unwrap()).or_default().push(path);
         }

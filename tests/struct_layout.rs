@@ -5,7 +5,7 @@ use steradian::shader::{Feature, Features, compose, generated, library};
 
 fn module() -> naga::Module {
     let set = Features::default().with_all_of_scenes().with(Feature::Nee).with(Feature::Mis);
-    let composed = compose(&library(), "path_trace", set, &generated::wgsl(32)).unwrap();
+    let composed = compose(&library(), "path_trace", set, &generated::wgsl(32, 64)).unwrap();
     validate("path_trace", &composed).unwrap()
 }
 

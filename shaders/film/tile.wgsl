@@ -1,7 +1,7 @@
 // How threads are laid over the picture.
 #import frame/frame
 
-// Pixel of the picture that thread `local` of a tile works on: a tile is 8 by 8
+// Pixel of the window that thread `local` of a tile works on: a tile is 8 by 8
 // pixels, eight neighbouring threads are a block of 4 by 2.
 fn tile_pixel(tile: u32, local: u32) -> vec2<u32> {
     let x = (local & 3u) | ((local >> 1u) & 4u);

@@ -56,7 +56,8 @@ struct Frame {
     // Layout of `attributes`.
     attribute_base: u32,
     attribute_stride: u32,
-    padding_0: u32,
+    // Tiles of this dispatch.
+    dispatch_tile_count: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

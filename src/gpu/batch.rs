@@ -1,7 +1,9 @@
 //! Runs a small kernel once over arrays: a way to call single shader functions.
 
-use super::{Device, Kernel};
-use crate::shader::{Features, Library};
+use super::{Device, GpuScene, Kernel, SceneBuffers, TreeWidth};
+use crate::scene::Scene;
+use crate::settings::RenderSettings;
+use crate::shader::{Feature, Features, Library, generated};
 use crate::{Error, Result};
 
 /// One run of an entry of a library, which may be more than the program's own: add the
@@ -11,8 +13,11 @@ pub struct Batch<'a> {
     pub library: &'a Library,
     /// The entry; its function is `main`.
     pub entry: &'a str,
-    /// What it is composed for.
+    /// What it is composed for; with a scene, in addition to what that needs.
     pub features: Features,
+    /// A scene whose buffers and `frame` the entry's modules read. Its trees are for packets
+    /// where `features` says so.
+    pub scene: Option<(&'a Scene, &'a RenderSettings)>,
     /// Contents of its read-only storage buffers by the names of their variables.
     pub inputs: &'a [(&'a str, &'a [u8])],
     /// Its writable storage buffer, zero at first: name of the variable and bytes.
@@ -25,10 +30,15 @@ impl Batch<'_> {
     /// Compiles, runs, and gives the output buffer's bytes.
     ///
     /// # Errors
-    /// [`Error::Shader`], [`Error::DeviceLost`].
+    /// [`Error::Shader`], [`Error::DeviceLost`]; [`Error::Limit`] for a scene.
     pub fn run(&self, device: &Device) -> Result<Vec<u8>> {
-        let generated = crate::shader::generated::wgsl(1);
-        let kernel = Kernel::new(device, self.library, self.entry, self.features, &generated)?;
+        let scene = self.scene.map(|(s, settings)| self.upload(device, s, settings));
+        let scene = scene.transpose()?;
+        let (features, stack_size) =
+            scene.as_ref().map_or((Features::default(), 1), |s| (s.features, s.stack_size));
+        let features = features.union(self.features);
+        let generated = generated::wgsl(stack_size, generated::WORKGROUP_SIZE);
+        let kernel = Kernel::new(device, self.library, self.entry, features, &generated)?;
         let inputs: Vec<_> = self
             .inputs
             .iter()
@@ -44,8 +54,12 @@ impl Batch<'_> {
         };
         let output = buffer(name, Usage::STORAGE | Usage::COPY_SRC);
         let staging = buffer("output copy", Usage::COPY_DST | Usage::MAP_READ);
-        let mut buffers: Vec<_> = inputs.iter().map(|(name, buffer)| (*name, buffer)).collect();
-        buffers.push((name, &output));
+        let mut buffers: Vec<(&str, &wgpu::Buffer)> = vec![(name, &output)];
+        buffers.extend(inputs.iter().map(|(name, buffer)| (*name, buffer)));
+        if let Some(scene) = &scene {
+            buffers.push(("frame", &scene.frame));
+            buffers.extend(scene.buffers.buffers().map(|(name, buffer)| (name as &str, buffer)));
+        }
         let bind_group = kernel.bind(device, &buffers);
 
         let mut encoder = device.device.create_command_encoder(&Default::default());
@@ -64,5 +78,38 @@ impl Batch<'_> {
             .get_mapped_range()
             .map_err(|e| Error::DeviceLost(format!("reading {name}: {e}")))?;
         Ok(view.to_vec())
+    }
+}
+
+/// A scene on the device, with its uniforms.
+struct BatchScene {
+    features: Features,
+    stack_size: u32,
+    frame: wgpu::Buffer,
+    buffers: GpuScene,
+}
+
+impl Batch<'_> {
+    fn upload(
+        &self,
+        device: &Device,
+        scene: &Scene,
+        settings: &RenderSettings,
+    ) -> Result<BatchScene> {
+        use wgpu::util::{BufferInitDescriptor, DeviceExt};
+        let has_packets = self.features.has(Feature::Packets);
+        let width = if has_packets { TreeWidth::Four } else { TreeWidth::Two };
+        let buffers = SceneBuffers::build(scene, settings, width)?;
+        let frame = device.device.create_buffer_init(&BufferInitDescriptor {
+            label: Some("frame"),
+            contents: bytemuck::bytes_of(&buffers.frame(scene, settings)),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        Ok(BatchScene {
+            features: Features::of(scene, settings),
+            stack_size: buffers.world.stack_size.max(1),
+            frame,
+            buffers: buffers.upload(device)?,
+        })
     }
 }

@@ -1,8 +1,10 @@
 //! Everything that knows wgpu, except the passes.
 
 mod batch;
+mod camera;
 mod device;
 mod environment;
+mod frame;
 mod lights;
 mod limits;
 mod materials;

@@ -4,7 +4,7 @@ use super::limits::check_binding;
 use super::world::{TreeWidth, World};
 use super::{Device, environment, lights, materials};
 use crate::Result;
-use crate::scene::{Environment, Scene};
+use crate::scene::Scene;
 use crate::settings::RenderSettings;
 
 /// Everything of the scene that the device reads, still in memory.
@@ -12,7 +12,7 @@ pub struct SceneBuffers {
     /// Geometry.
     pub world: World,
     materials: materials::Materials,
-    lights: lights::Lights,
+    pub(super) lights: lights::Lights,
     environment: Option<environment::EnvironmentMap>,
 }
 
@@ -33,24 +33,6 @@ impl SceneBuffers {
         let integral = environment.as_ref().map_or(0.0, |e| e.luminous_integral);
         let lights = lights::build(scene, &world.emitters, integral);
         Ok(Self { world, materials: materials::build(scene), lights, environment })
-    }
-
-    /// Lights that can be sampled.
-    pub(crate) fn light_count(&self) -> u32 {
-        self.lights.records.len() as u32
-    }
-
-    /// Probability that a light sample is the environment's.
-    pub(crate) fn environment_pmf(&self) -> f32 {
-        self.lights.environment_pmf
-    }
-
-    /// Rows of the rotation into the map's space, and the map's size.
-    pub(crate) fn environment_frame(map: Option<&Environment>) -> ([[f32; 4]; 3], [u32; 2]) {
-        let Some(map) = map else { return ([[0.0; 4]; 3], [0; 2]) };
-        let m = map.environment_from_world;
-        let rows = [m.row(0), m.row(1), m.row(2)].map(|r| r.extend(0.0).to_array());
-        (rows, [map.width, map.height])
     }
 
     /// What the device would hold: name and bytes of each buffer.

@@ -46,7 +46,7 @@ gpu_struct! {
         sphere_count: u32,
         attribute_base: u32,
         attribute_stride: u32,
-        padding_0: u32,
+        dispatch_tile_count: u32,
     }
 }
 
@@ -59,6 +59,10 @@ gpu_struct! {
         shadow_ray_count: u32,
         fault_counts: u32,
         fault_sample: u32,
+        fault_bounce: u32,
+        fault_material: u32,
+        padding_0: u32,
+        padding_1: u32,
     }
 }
 

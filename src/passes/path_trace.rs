@@ -1,9 +1,10 @@
 //! `shaders/path_trace.wgsl`: traces samples of tiles into the film buffer.
 
+use super::Tuning;
 use crate::Result;
 use crate::gpu::{Device, GpuFilmPixel, GpuFrame, GpuScene, Kernel};
-use crate::shader::generated::{INVALID, WORKGROUP_SIZE};
-use crate::shader::{Features, generated, library};
+use crate::shader::generated::{INVALID, TILE_PIXELS};
+use crate::shader::{Features, generated};
 use bytemuck::Zeroable;
 
 /// Pixels along a tile's side.
@@ -32,6 +33,7 @@ pub struct PathTrace {
     film_buffer: wgpu::Buffer,
     staging: wgpu::Buffer,
     frame: GpuFrame,
+    workgroup_size: u32,
     wgsl_lines: usize,
 }
 
@@ -43,7 +45,7 @@ impl PathTrace {
 
     /// Bytes of the film buffer for so many tiles.
     pub fn film_bytes(tile_count: u32) -> u64 {
-        u64::from(tile_count) * u64::from(WORKGROUP_SIZE) * size_of::<GpuFilmPixel>() as u64
+        u64::from(tile_count) * u64::from(TILE_PIXELS) * size_of::<GpuFilmPixel>() as u64
     }
 
     /// Column and row within the window of the pixel at `local` of a tile; the
@@ -65,11 +67,12 @@ impl PathTrace {
         stack_size: u32,
         frame: GpuFrame,
         region_tiles: u32,
+        tuning: &Tuning,
     ) -> Result<Self> {
-        let generated = generated::wgsl(stack_size);
-        let library = library();
-        let composed = crate::shader::compose(&library, "path_trace", features, &generated)?;
-        let kernel = Kernel::new(device, &library, "path_trace", features, &generated)?;
+        let library = &tuning.library;
+        let generated = generated::wgsl(stack_size, tuning.workgroup_size);
+        let composed = crate::shader::compose(library, "path_trace", features, &generated)?;
+        let kernel = Kernel::new(device, library, "path_trace", features, &generated)?;
         let buffer = |label, size, usage| {
             device.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -95,6 +98,7 @@ impl PathTrace {
             film_buffer,
             staging,
             frame,
+            workgroup_size: tuning.workgroup_size,
             wgsl_lines: composed.origins.len(),
         };
         Ok(pass)
@@ -107,7 +111,12 @@ impl PathTrace {
 
     /// Empties the film buffer.
     pub fn clear(&self, device: &Device) {
-        let empty = GpuFilmPixel { fault_sample: INVALID, ..GpuFilmPixel::zeroed() };
+        let empty = GpuFilmPixel {
+            fault_sample: INVALID,
+            fault_bounce: INVALID,
+            fault_material: INVALID,
+            ..GpuFilmPixel::zeroed()
+        };
         let pixels = self.film_buffer.size() as usize / size_of::<GpuFilmPixel>();
         device.queue.write_buffer(&self.film_buffer, 0, bytemuck::cast_slice(&vec![empty; pixels]));
     }
@@ -119,6 +128,7 @@ impl PathTrace {
     pub fn run(&mut self, device: &Device, work: Work) -> Result<()> {
         self.frame.region_first_tile = work.region_first_tile;
         self.frame.dispatch_first_tile = work.first_tile;
+        self.frame.dispatch_tile_count = work.tile_count;
         self.frame.sample_first = work.sample_first;
         self.frame.sample_count = work.sample_count;
         device.queue.write_buffer(&self.frame_buffer, 0, bytemuck::bytes_of(&self.frame));
@@ -127,7 +137,8 @@ impl PathTrace {
             let mut pass = encoder.begin_compute_pass(&Default::default());
             pass.set_pipeline(&self.kernel.pipeline);
             pass.set_bind_group(0, &self.bind_group, &[]);
-            pass.dispatch_workgroups(work.tile_count, 1, 1);
+            let threads = work.tile_count * TILE_PIXELS;
+            pass.dispatch_workgroups(threads.div_ceil(self.workgroup_size), 1, 1);
         }
         device.queue.submit([encoder.finish()]);
         device.wait()

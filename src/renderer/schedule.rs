@@ -2,12 +2,9 @@
 //! pixel's samples are added in order within a block, and blocks in order.
 
 use crate::gpu::{Device, DeviceKind};
-use crate::passes::{PathTrace, Work};
+use crate::passes::{PathTrace, Tuning, Work};
 use crate::settings::RenderSettings;
 use crate::{Error, Result};
-
-/// Seconds that a dispatch should take.
-const TARGET_SECONDS: f64 = 0.075;
 
 /// Tile samples of the first dispatch.
 const FIRST_TILE_SAMPLES: f64 = 16.0;
@@ -29,7 +26,9 @@ pub(super) struct Schedule {
     block_size: u32,
     spp: u32,
     most_samples: u32,
-    /// Tile samples that take [`TARGET_SECONDS`].
+    /// Seconds that a dispatch should take.
+    target_seconds: f64,
+    /// Tile samples that take so long.
     tile_samples: f64,
     /// First sample of the block.
     block_first: u32,
@@ -44,7 +43,7 @@ pub(super) struct Schedule {
 }
 
 impl Schedule {
-    pub(super) fn new(device: &Device, settings: &RenderSettings) -> Result<Self> {
+    pub(super) fn new(device: &Device, settings: &RenderSettings, tuning: &Tuning) -> Result<Self> {
         let window = settings.window();
         let (across, down) = PathTrace::tiles(window.width, window.height);
         let tile_count = across * down;
@@ -53,12 +52,14 @@ impl Schedule {
             return Err(Error::Limit("the device cannot hold one tile of the film".into()));
         }
         let is_software = device.info().kind == DeviceKind::Cpu;
+        let most_samples = if is_software { SOFTWARE_SAMPLES } else { settings.block_size };
         Ok(Self {
             tile_count,
             region_tiles: tile_count.min(MOST_TILES).min(fits as u32),
             block_size: settings.block_size,
             spp: settings.spp,
-            most_samples: if is_software { SOFTWARE_SAMPLES } else { settings.block_size },
+            most_samples: most_samples.min(tuning.submit_samples),
+            target_seconds: tuning.submit_seconds,
             tile_samples: FIRST_TILE_SAMPLES,
             block_first: 0,
             region_first: 0,
@@ -119,7 +120,7 @@ impl Schedule {
     /// `work` is done and took so long. `true`: the region's block is complete and must be folded.
     pub(super) fn advance(&mut self, work: Work, seconds: f64) -> bool {
         let done = f64::from(work.tile_count) * f64::from(work.sample_count);
-        let ideal = done * TARGET_SECONDS / seconds.max(1e-6);
+        let ideal = done * self.target_seconds / seconds.max(1e-6);
         self.tile_samples = ideal.min(self.tile_samples.max(done) * GROWTH).max(1.0);
         let region = (self.region_first, self.region_size());
         self.tile += work.tile_count;

@@ -79,7 +79,7 @@ impl Composer<'_> {
         }
         let text = match (path, self.library.get(path)) {
             ("generated", _) => self.generated,
-            (_, Some(text)) => text,
+            (_, Some(text)) => text.as_ref(),
             (_, None) => return Err(format!("no module {path}")),
         };
         let mut open: Vec<Condition> = Vec::new();
@@ -133,7 +133,8 @@ mod tests {
     use super::*;
 
     fn run(files: &[(&'static str, &'static str)], features: Features) -> Result<Composed> {
-        compose(&files.iter().copied().collect(), "main", features, "const G = 1;\n")
+        let library = files.iter().map(|&(path, text)| (path, text.into())).collect();
+        compose(&library, "main", features, "const G = 1;\n")
     }
 
     #[test]

@@ -126,6 +126,12 @@ impl Features {
         if needed { self.with(feature) } else { self }
     }
 
+    /// What either set holds.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
     /// Whether it holds `feature`.
     pub fn has(self, feature: Feature) -> bool {
         self.0 & 1 << feature as u32 != 0

@@ -3,8 +3,10 @@
 use crate::bvh;
 use std::fmt::Write;
 
-/// Threads in a workgroup: a tile of 8 by 8 pixels.
+/// Threads in a workgroup, unless an experiment says otherwise.
 pub const WORKGROUP_SIZE: u32 = 64;
+/// Pixels of a tile of 8 by 8; each is one thread's.
+pub const TILE_PIXELS: u32 = 64;
 /// No index.
 pub const INVALID: u32 = u32::MAX;
 /// In place of a density: the direction has none.
@@ -102,15 +104,17 @@ impl Fault {
 }
 
 /// The module's text. `stack_size`: pending links that traversal can hold.
-pub fn wgsl(stack_size: u32) -> String {
+/// `workgroup_size`: threads of a workgroup.
+pub fn wgsl(stack_size: u32, workgroup_size: u32) -> String {
     let mut text = String::new();
     let unsigned = [
-        ("WORKGROUP_SIZE", WORKGROUP_SIZE),
+        ("WORKGROUP_SIZE", workgroup_size),
+        ("TILE_PIXELS", TILE_PIXELS),
         ("INVALID", INVALID),
         ("PATH_LENGTH_LIMIT", PATH_LENGTH_LIMIT),
         ("TREE_RECORD_SIZE", TREE_RECORD_SIZE),
         ("BVH_STACK_SIZE", stack_size),
-        ("BVH_STACK_TOTAL", stack_size * WORKGROUP_SIZE),
+        ("BVH_STACK_TOTAL", stack_size * workgroup_size),
         ("LINK_LEAF", bvh::LEAF_BIT),
         ("LINK_KIND_MASK", bvh::LEAF_KIND_MASK << bvh::LEAF_KIND_SHIFT),
         ("LINK_KIND_TRIANGLE", (bvh::PrimitiveKind::Triangle as u32) << bvh::LEAF_KIND_SHIFT),

@@ -1,13 +1,14 @@
 //! The WGSL files of the program.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// WGSL texts by path within `shaders/`, without the ending.
-pub type Library = BTreeMap<&'static str, &'static str>;
+pub type Library = BTreeMap<&'static str, Cow<'static, str>>;
 
 macro_rules! files {
     ($($path:literal),* $(,)?) => {
-        [$(($path, include_str!(concat!("../../shaders/", $path, ".wgsl")))),*]
+        [$(($path, include_str!(concat!("../../shaders/", $path, ".wgsl")).into())),*]
     };
 }
 
@@ -27,6 +28,7 @@ pub fn library() -> Library {
         "film/fault",
         "film/film",
         "film/tile",
+        "float_environment",
         "frame/frame",
         "geometry/attributes",
         "geometry/leaf",

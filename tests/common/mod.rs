@@ -1,11 +1,22 @@
 //! The device, tiny scenes, and what a stochastic test needs to decide.
 
-#![allow(dead_code, unused_imports, reason = "each test program uses a part of this")]
+#![allow(
+    dead_code,
+    unused_imports,
+    unused_macros,
+    reason = "each test program uses a part of this"
+)]
 
+mod batch;
 mod estimate;
+mod random;
+mod record;
 mod stage;
 
+pub(crate) use batch::{Call, harness};
 pub(crate) use estimate::{Estimate, assert_agree, assert_constant, assert_truth, grey};
+pub(crate) use random::Random;
+pub(crate) use record::{assert_at_least, assert_at_most, assert_naive_fails, report};
 pub(crate) use stage::{Stage, emitter, lambert, quad_mesh, with_uvs};
 
 use std::path::PathBuf;

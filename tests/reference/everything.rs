@@ -10,9 +10,8 @@ use steradian::scene::{
     AlphaMode, ColorSpace, LightKind, Material, Mesh, Projection, TextureRef, Wrap,
 };
 
-/// 3840 samples are 240 blocks of 16: fifteen observations of a pixel, each of 16 blocks.
 fn small() -> RenderSettings {
-    settings(8, 8, 3840)
+    settings(8, 8, 2048)
 }
 
 const VISIBLE: Visible = Visible { mean: 0.02, tile: 0.08 };
@@ -153,8 +152,7 @@ fn features_alpha() {
     stage.place(veil, Affine3A::from_translation(Vec3::new(0.0, 0.7, 0.1)) * lying());
     // A lamp that is there in part.
     let ghost = Material { alpha_mode: AlphaMode::Blend, alpha: 0.6, ..emitter(3.0) };
-    stage.ceiling(Vec3::new(0.8, 2.4, 0.3), 0.6, ghost.clone());
-    stage.sphere(Vec3::new(-0.9, 1.4, 0.0), 0.4, Material { double_sided: true, ..ghost });
+    stage.ceiling(Vec3::new(0.8, 2.4, 0.3), 0.6, ghost);
     compare("alpha", &stage.scene, &small(), VISIBLE);
 }
 
@@ -189,11 +187,11 @@ fn features_transmission() {
         ..paint()
     };
     stage.sphere(Vec3::new(-0.6, 0.0, 0.3), 0.4, glass.clone());
-    let cloudy = Material { transmission: 0.6, metallic: 0.2, ior: 1.8, ..glass.clone() };
-    let solid = stage.mesh(closed_box(Vec3::splat(-0.3), Vec3::splat(0.3)), cloudy.clone());
+    let dense = Material { metallic: 0.2, ior: 1.8, ..glass.clone() };
+    let solid = stage.mesh(closed_box(Vec3::splat(-0.3), Vec3::splat(0.3)), dense.clone());
     let turned = Affine3A::from_quat(Quat::from_rotation_y(0.6));
     stage.place(solid, Affine3A::from_translation(Vec3::new(0.6, 0.0, 0.0)) * turned);
-    let pane = Material { volume: false, ..cloudy };
+    let pane = Material { volume: false, transmission: 0.6, ..dense };
     let pane = stage.mesh(bowl(4, 0.2), pane);
     let placed = Affine3A::from_translation(Vec3::new(0.0, 0.5, 0.6)) * lying();
     stage.place(pane, placed * Affine3A::from_scale(Vec3::splat(0.5)));

@@ -5,8 +5,7 @@ use crate::common::{bundled, settings};
 use steradian::RenderSettings;
 use steradian::settings::Crop;
 
-/// 240 blocks of 16: fifteen observations of a pixel.
-const SPP: u32 = 3840;
+const SPP: u32 = 2048;
 
 /// Eight by eight pixels of a picture with `side` rows and columns, from `x`, `y` on. Lamps that
 /// a pixel sees in part only are left out: their edges would drown all else in noise.

@@ -1,6 +1,6 @@
 //! The camera as the device reads it.
 
-use crate::gpu::GpuCamera;
+use super::GpuCamera;
 use crate::scene::{Camera, Projection};
 
 pub(super) fn gpu_camera(camera: &Camera, resolution: (u32, u32)) -> GpuCamera {

@@ -1,0 +1,59 @@
+//! The uniforms of a render.
+
+use super::camera::gpu_camera;
+use super::{GpuFrame, SceneBuffers};
+use crate::scene::{Environment, Scene};
+use crate::settings::RenderSettings;
+use crate::shader::generated::INVALID;
+
+/// Pixels along a tile's side.
+const TILE: u32 = 8;
+
+impl SceneBuffers {
+    /// The uniforms that do not change between dispatches; the others are 0.
+    pub fn frame(&self, scene: &Scene, settings: &RenderSettings) -> GpuFrame {
+        let window = settings.window();
+        let tiles_across = window.width.div_ceil(TILE);
+        let ([x, y, z], environment_size) = environment_frame(scene.environment.as_ref());
+        let world = self.world.statistics();
+        GpuFrame {
+            camera: gpu_camera(&scene.cameras[settings.camera], settings.resolution),
+            environment_x: x,
+            environment_y: y,
+            environment_z: z,
+            environment_size,
+            environment_pmf: self.lights.environment_pmf,
+            light_count: self.lights.records.len() as u32,
+            resolution: settings.resolution.into(),
+            window_origin: [window.x, window.y],
+            window_size: [window.width, window.height],
+            tiles_across,
+            region_first_tile: 0,
+            dispatch_first_tile: 0,
+            sample_first: 0,
+            sample_count: 0,
+            seed: settings.seed,
+            // A path that is wanted for one term alone ends with that.
+            max_bounces: [settings.max_bounces, settings.only_bounce]
+                .into_iter()
+                .flatten()
+                .min()
+                .unwrap_or(INVALID),
+            only_bounce: settings.only_bounce.unwrap_or(INVALID),
+            light_samples: settings.light_samples,
+            triangle_count: world.triangle_count as u32,
+            sphere_count: world.sphere_count as u32,
+            attribute_base: self.world.attribute_base,
+            attribute_stride: self.world.attribute_stride,
+            dispatch_tile_count: 0,
+        }
+    }
+}
+
+/// Rows of the rotation into the map's space, and the map's size.
+fn environment_frame(map: Option<&Environment>) -> ([[f32; 4]; 3], [u32; 2]) {
+    let Some(map) = map else { return ([[0.0; 4]; 3], [0; 2]) };
+    let m = map.environment_from_world;
+    let rows = [m.row(0), m.row(1), m.row(2)].map(|r| r.extend(0.0).to_array());
+    (rows, [map.width, map.height])
+}
