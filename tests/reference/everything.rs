@@ -252,3 +252,65 @@ fn features_environment_and_lens() {
     stage.scene.cameras[0].projection = Projection::Orthographic { ymag: 1.2 };
     compare("orthographic lens", &stage.scene, &small(), VISIBLE);
 }
+
+/// Every part of the material model, every light, an oblique sky, shared and mirrored copies,
+/// and a lens.
+#[test]
+fn all_of_it() {
+    let mut stage = stage();
+    pictures(&mut stage);
+    let wrap = [Wrap::MirroredRepeat, Wrap::ClampToEdge];
+    let worn = Material {
+        base_color_texture: Some(TextureRef { transform: transform(), ..srgb(0) }),
+        metallic: 0.6,
+        roughness: 0.9,
+        metallic_roughness_texture: Some(TextureRef {
+            wrap,
+            uv_set: 1,
+            ..texture(2, ColorSpace::Linear)
+        }),
+        normal_texture: Some(normals()),
+        normal_scale: 0.8,
+        specular: 0.8,
+        specular_color: Vec3::new(0.9, 0.7, 1.0),
+        ior: 1.7,
+        ..Material::default()
+    };
+    three_bowls(&mut stage, bowl(48, 0.3), worn.clone());
+    let floor = stage.mesh(Mesh { tangents: vec![], ..bowl(2, 0.0) }, worn);
+    let wide = Affine3A::from_scale(Vec3::new(1.6, 1.6, 1.0));
+    stage.place(floor, Affine3A::from_translation(Vec3::new(0.1, -0.4, 0.1)) * lying() * wide);
+    let cut = Material {
+        base_color_texture: Some(TextureRef { nearest: true, ..srgb(1) }),
+        alpha_mode: AlphaMode::Mask(0.45),
+        double_sided: true,
+        emission: Vec3::new(0.2, 0.1, 0.3),
+        ..paint()
+    };
+    let cut = stage.mesh(bowl(3, 0.2), cut);
+    let small = Affine3A::from_scale(Vec3::splat(0.3));
+    stage.place(cut, Affine3A::from_translation(Vec3::new(-0.2, 0.4, 0.3)) * small);
+    let veil = Material { alpha_mode: AlphaMode::Blend, alpha: 0.7, ..lambert(0.4) };
+    let veil = stage.mesh(bowl(2, 0.1), veil);
+    stage.place(veil, Affine3A::from_translation(Vec3::new(0.3, 0.8, 0.1)) * lying() * small);
+    let glass = Material { transmission: 1.0, volume: true, ..paint() };
+    stage.sphere(Vec3::new(0.0, 0.1, 0.6), 0.25, glass.clone());
+    let pane = Material { volume: false, transmission: 0.7, ..glass };
+    stage.quad(Vec3::new(0.6, 0.3, 0.5), Vec3::X * 0.2, Vec3::Y * 0.3, pane);
+    stage.sphere(
+        Vec3::new(-0.9, 0.0, 0.7),
+        0.15,
+        Material { roughness: 0.0, ..Material::default() },
+    );
+    let screen = Material { emission_texture: Some(srgb(0)), ..emitter(2.0) };
+    let corners = [[-0.4, 1.3], [1.2, 1.1], [1.4, -0.2], [0.1, 0.0]].map(Vec2::from);
+    let screen_mesh = quad_mesh(Vec3::new(0.0, 0.6, -1.3), Vec3::X, Vec3::Y * 0.6);
+    let screen = stage.mesh(with_uvs(screen_mesh, corners), screen);
+    stage.place(screen, Affine3A::IDENTITY);
+    stage.sphere(Vec3::new(1.2, 0.9, 0.6), 0.3, emitter(1.5));
+    punctual(&mut stage);
+    stage.scene.environment = Some(sky());
+    let camera = &mut stage.scene.cameras[0];
+    (camera.aperture_radius, camera.focus_distance) = (0.05, 3.0);
+    compare("all of it", &stage.scene, &settings(8, 8, 2048), VISIBLE);
+}
