@@ -214,7 +214,8 @@ impl Triangle {
     ///
     /// The weight of a corner is the volume of the tetrahedron of the opposite edge, the origin
     /// and the direction. The two triangles at an edge compute that volume with opposite sign
-    /// and the same rounding, so that no line passes between them.
+    /// and the same rounding, so that no line passes between them. (One that is aimed at a common
+    /// corner to the last place may: no random ray is.)
     fn intersect(&self, ray: &Ray) -> Option<(f64, [f64; 3])> {
         let [a, b, c] = self.corners.map(|corner| corner - ray.origin);
         let volumes = [b.cross(c), c.cross(a), a.cross(b)].map(|edge| edge.dot(ray.direction));
