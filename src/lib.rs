@@ -5,14 +5,16 @@
 //!  glTF ─► scene ─► bvh ─► gpu ─► passes ─► film ─► image
 //!            └─► shader: features, composed WGSL ──┘
 //!          renderer   owns the scene on the device, the kernel and the film
+//!          reference  from scene to film in plain f64 on the processor
 //! ```
 //!
 //! [`scene::gltf::load_with`] reads a file into plain data. [`bvh`] builds trees over
 //! it. [`shader`] decides what the scene needs ([`shader::Features`]) and composes the
 //! WGSL for that. [`gpu`] turns all of it into buffers, [`passes`] run kernels, and
 //! [`film`] holds the sums. [`renderer::Renderer`] is the whole in steps; [`image`] writes
-//! pictures. Modules earlier in the drawing never use later ones, and `scene`, `bvh`,
-//! `shader` and `image` do not know wgpu.
+//! pictures. [`reference`](mod@reference) computes the same in another way, for tests to compare with.
+//! Modules earlier in the drawing never use later ones, and `scene`, `bvh`, `shader`, `image`
+//! and `reference` do not know wgpu.
 
 pub mod bvh;
 pub mod error;
