@@ -34,7 +34,7 @@ fn soup(random: &mut Random, size: f32, center: Vec3) -> Scene {
         let corner = place(random);
         let corners = [0; 3].map(|_| corner + 0.8 * place(random));
         // Every fourth lies in a plane of constant height, where boxes have no thickness.
-        let flatten = positions.len() % 12 == 0;
+        let flatten = positions.len().is_multiple_of(12);
         positions.extend(corners.map(|c| if flatten { c.with_y(0.25) } else { c }.as_vec3()));
     }
     let triangles = (0..60).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
