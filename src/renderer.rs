@@ -225,7 +225,7 @@ impl Renderer {
     }
 
     fn fold_pixel(&mut self, x: u32, y: u32, pixel: &GpuFilmPixel, is_block: bool) {
-        let block = BlockSum { sum: pixel.sum, sample_count: pixel.sample_count };
+        let block = BlockSum { sum: pixel.sum.map(f64::from), sample_count: pixel.sample_count };
         self.film.add_block(x, y, block, is_block);
         let s = &mut self.statistics;
         s.samples += u64::from(pixel.sample_count);

@@ -11,25 +11,22 @@ fn camera_ray(film: vec2<f32>, lens: vec2<f32>) -> Ray {
     // camera's own plane in metres (orthographic).
     let plane = film * vec2<f32>(camera.half_width, camera.half_height);
     let offset = camera.right * plane.x + camera.up * plane.y;
+    var origin = vec3<f32>(0.0);
+    var direction = offset - camera.back;
 #if ORTHOGRAPHIC
     if camera.orthographic != 0u {
-        return ray_new(camera.position + offset, -camera.back);
+        origin = offset;
+        direction = -camera.back;
     }
 #endif
 #if LENS
+    // Thin lens: all rays of a film point meet in the plane of focus.
     if camera.aperture_radius > 0.0 {
-        return camera_lens_ray(offset - camera.back, lens);
+        let disk = camera.aperture_radius * warp_disk(lens);
+        let shift = camera.right * disk.x + camera.up * disk.y;
+        origin += shift;
+        direction = direction * camera.focus_distance - shift;
     }
 #endif
-    return ray_new(camera.position, normalize(offset - camera.back));
+    return ray_new(camera.position + origin, normalize(direction));
 }
-
-#if LENS
-// Thin lens: all rays of a film point meet in the plane of focus.
-fn camera_lens_ray(direction: vec3<f32>, lens: vec2<f32>) -> Ray {
-    let camera = frame.camera;
-    let disk = camera.aperture_radius * warp_disk(lens);
-    let origin = camera.right * disk.x + camera.up * disk.y;
-    return ray_new(camera.position + origin, normalize(direction * camera.focus_distance - origin));
-}
-#endif

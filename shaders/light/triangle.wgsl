@@ -3,6 +3,9 @@
 #import sample/warp
 #import material/material
 #import geometry/attributes
+#if ALPHA
+#import material/alpha
+#endif
 
 // Twice the area vector; points to the front.
 fn light_triangle_normal(l: Light) -> vec3<f32> {
@@ -31,6 +34,10 @@ fn light_triangle_sample(l: Light, s: Surface, u: vec2<f32>) -> LightSample {
     var radiance = light_color(l);
 #if TEXTURES
     radiance *= light_triangle_texture(l, w);
+#endif
+#if ALPHA
+    // Where it is not there, or not always, it does not shine.
+    radiance *= alpha_presence(materials[l.material], l.source, w);
 #endif
     let extent = max(max(abs(l.a), abs(l.b)), abs(l.c));
     // Beyond the error of a hit seen from the receiver, which grows with the distance.

@@ -122,6 +122,12 @@ pub(super) struct SamplingFlags {
     #[arg(long)]
     pub(super) no_roulette: bool,
 
+    /// Trace in plain f64 on the processor, without a device: slow, and what the renderer is held to
+    #[arg(long, conflicts_with_all = [
+        "strategy", "light_samples", "no_roulette", "sampler", "accel", "features",
+    ])]
+    pub(super) reference: bool,
+
     /// Source of random numbers
     #[arg(long, value_parser = values::one_of(values::SAMPLERS), default_value = "sobol")]
     pub(super) sampler: Sampler,

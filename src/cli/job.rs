@@ -27,6 +27,8 @@ pub(super) struct Job {
     pub(super) settings: RenderSettings,
     /// Samples per pixel that were asked for; `None` if only the time is limited.
     pub(super) requested_spp: Option<u32>,
+    /// Whether the reference renders it, and no device.
+    pub(super) is_reference: bool,
     /// Reading and decoding files.
     pub(super) load_seconds: f64,
 }
@@ -63,7 +65,8 @@ impl Job {
         check_bounces(&settings)?;
         settings.validate(&scene)?;
         check_size(&settings)?;
-        Ok(Self { scene, settings, requested_spp, load_seconds })
+        let is_reference = flags.sampling.reference;
+        Ok(Self { scene, settings, requested_spp, is_reference, load_seconds })
     }
 }
 

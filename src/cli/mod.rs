@@ -8,6 +8,7 @@ mod info;
 mod job;
 mod output;
 mod progress;
+mod reference;
 mod render;
 mod report;
 mod signals;

@@ -1,6 +1,7 @@
 //! The picture in a file, or one pixel as text.
 
 use super::destination::Picture;
+use super::reference;
 use super::report::Outcome;
 use super::talk;
 use super::values::{ACCELS, SAMPLERS, STRATEGIES, word_for};
@@ -49,21 +50,26 @@ fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
     let number = |value: u32| Attribute::Number(value.into());
     let text = |value: &str| Attribute::Text(value.into());
     let limit = |value: Option<u32>| value.map_or(text("none"), number);
+    // The reference has one way to sample, its own.
+    let choice = |of_device: Attribute| match outcome.job.is_reference {
+        true => text(reference::WORD),
+        false => of_device,
+    };
     let entries = [
         ("version", text(env!("CARGO_PKG_VERSION"))),
         ("scene", text(&outcome.job.scene.name)),
-        ("device", text(&outcome.device.name)),
-        ("driver", text(&outcome.device.driver)),
+        ("device", text(outcome.device)),
+        ("driver", text(outcome.driver)),
         ("spp", number(outcome.film.least_samples())),
         ("block", number(settings.block_size)),
         ("seed", number(settings.seed)),
-        ("strategy", text(word_for(STRATEGIES, &settings.strategy))),
-        ("sampler", text(word_for(SAMPLERS, &settings.sampler))),
-        ("accel", text(word_for(ACCELS, &settings.accel))),
-        ("light_samples", number(settings.light_samples)),
+        ("strategy", choice(text(word_for(STRATEGIES, &settings.strategy)))),
+        ("sampler", choice(text(word_for(SAMPLERS, &settings.sampler)))),
+        ("accel", choice(text(word_for(ACCELS, &settings.accel)))),
+        ("light_samples", choice(number(settings.light_samples))),
         ("max_bounces", limit(settings.max_bounces)),
         ("only_bounce", limit(settings.only_bounce)),
-        ("roulette", text(if settings.roulette { "true" } else { "false" })),
+        ("roulette", choice(text(if settings.roulette { "true" } else { "false" }))),
         ("camera", text(&outcome.job.scene.cameras[settings.camera].name)),
         ("partial", text(if outcome.is_partial() { "true" } else { "false" })),
     ];

@@ -6,23 +6,38 @@ use super::job::Job;
 use super::progress::{Progress, while_busy};
 use super::report::{self, Outcome};
 use super::signals::StopRequest;
-use super::{output, stats};
+use super::talk::Verbosity;
+use super::{output, reference, stats};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 use steradian::gpu::Device;
 use steradian::{Error, Renderer, Result};
 
+/// One call of `steradian render`.
+pub(super) struct Call<'a> {
+    start: Instant,
+    flags: &'a RenderFlags,
+    destinations: Destinations,
+    pub(super) verbosity: Verbosity,
+}
+
 /// Renders, writes what was asked for, and says what came of it.
 pub(super) fn run(flags: &RenderFlags) -> Result<ExitCode> {
     let start = Instant::now();
     let verbosity = flags.verbosity();
     let destinations = Destinations::check(flags)?;
+    let call = Call { start, flags, destinations, verbosity };
     use_threads(flags.threads)?;
     let job = while_busy(verbosity, "reading the scene", || Job::new(flags))?;
-    let device = Arc::new(Device::open(flags.device.as_deref())?);
-    report::job(verbosity, &job, device.info());
+    if job.is_reference { reference::run(&call, &job) } else { run_on_device(&call, &job) }
+}
 
+fn run_on_device(call: &Call, job: &Job) -> Result<ExitCode> {
+    let verbosity = call.verbosity;
+    let device = Arc::new(Device::open(call.flags.device.as_deref())?);
+    let info = device.info();
+    report::job(verbosity, job, &format!("{} {} ({})", info.index, info.name, info.driver));
     let mut renderer = while_busy(verbosity, "building trees, compiling shaders", || {
         Renderer::new(device.clone(), &job.scene, &job.settings)
     })?;
@@ -35,17 +50,23 @@ pub(super) fn run(flags: &RenderFlags) -> Result<ExitCode> {
     }
     renderer.finish()?;
     progress.end();
-
-    let outcome = Outcome {
-        job: &job,
-        device: device.info(),
+    call.conclude(&Outcome {
+        job,
+        device: &info.name,
+        driver: &info.driver,
         film: renderer.film(),
         statistics: renderer.statistics(),
         stop_code: stop.exit_code(),
-    };
-    write(flags, &destinations, &outcome)?;
-    report::outcome(verbosity, &outcome, &destinations, start.elapsed());
-    Ok(outcome.stop_code.map_or(ExitCode::SUCCESS, ExitCode::from))
+    })
+}
+
+impl Call<'_> {
+    /// Writes the files and says what came of it.
+    pub(super) fn conclude(&self, outcome: &Outcome) -> Result<ExitCode> {
+        write(self.flags, &self.destinations, outcome)?;
+        report::outcome(self.verbosity, outcome, &self.destinations, self.start.elapsed());
+        Ok(outcome.stop_code.map_or(ExitCode::SUCCESS, ExitCode::from))
+    }
 }
 
 fn write(flags: &RenderFlags, destinations: &Destinations, outcome: &Outcome) -> Result<()> {

@@ -5,7 +5,6 @@ use super::job::Job;
 use super::talk::{self, Verbosity, with_prefix};
 use std::time::Duration;
 use steradian::film::{ErrorEstimate, Film};
-use steradian::gpu::DeviceInfo;
 use steradian::renderer::{FaultLocation, RenderStatistics};
 use steradian::scene::{Scene, Treatment};
 use steradian::shader::generated::Fault;
@@ -13,7 +12,10 @@ use steradian::shader::generated::Fault;
 /// All that is known when a render has ended.
 pub(super) struct Outcome<'a> {
     pub(super) job: &'a Job,
-    pub(super) device: &'a DeviceInfo,
+    /// What made the picture.
+    pub(super) device: &'a str,
+    /// Its driver's name and version; empty for the reference.
+    pub(super) driver: &'a str,
     pub(super) film: &'a Film,
     pub(super) statistics: &'a RenderStatistics,
     /// The exit code of the signal that stopped it, if one did.
@@ -28,10 +30,10 @@ impl Outcome<'_> {
 }
 
 /// Before anything is built.
-pub(super) fn job(verbosity: Verbosity, job: &Job, device: &DeviceInfo) {
+pub(super) fn job(verbosity: Verbosity, job: &Job, device: &str) {
     let seconds = talk::duration(job.load_seconds);
     verbosity.detail(&format!("scene {}, read in {seconds}", job.scene.name));
-    verbosity.detail(&format!("device {} {} ({})", device.index, device.name, device.driver));
+    verbosity.detail(&format!("device {device}"));
 }
 
 /// When everything is built and compiled.

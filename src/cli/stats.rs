@@ -1,5 +1,6 @@
 //! Statistics of a render as JSON, for programs.
 
+use super::reference;
 use super::report::Outcome;
 use super::values::{STRATEGIES, word_for};
 use serde::Serialize;
@@ -96,13 +97,16 @@ fn stats<'a>(outcome: &Outcome<'a>) -> Stats<'a> {
         schema: SCHEMA,
         version: env!("CARGO_PKG_VERSION"),
         scene: &outcome.job.scene.name,
-        device: &outcome.device.name,
-        driver: &outcome.device.driver,
+        device: outcome.device,
+        driver: outcome.driver,
         float_environment: counts.float_environment.map(|f| f.to_string()),
         width: settings.resolution.0,
         height: settings.resolution.1,
         window: [window.x, window.y, window.width, window.height],
-        strategy: word_for(STRATEGIES, &settings.strategy),
+        strategy: match outcome.job.is_reference {
+            true => reference::WORD,
+            false => word_for(STRATEGIES, &settings.strategy),
+        },
         seed: settings.seed,
         block: settings.block_size,
         spp: outcome.film.least_samples(),

@@ -19,11 +19,11 @@ pub struct Film {
     means: BlockMeans,
 }
 
-/// What a pixel gained in one block, as the device summed it.
+/// What a pixel gained in one block. The sums of the device are exact in f64.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BlockSum {
     /// Sum of the samples' radiance.
-    pub sum: [f32; 3],
+    pub sum: [f64; 3],
     /// Samples in it.
     pub sample_count: u32,
 }
@@ -67,13 +67,12 @@ impl Film {
             return;
         }
         let i = y as usize * self.window.width as usize + x as usize;
-        let sum = block.sum.map(f64::from);
-        for (total, s) in self.sum[i].iter_mut().zip(sum) {
+        for (total, s) in self.sum[i].iter_mut().zip(block.sum) {
             *total += s;
         }
         self.sample_count[i] += block.sample_count;
         if is_whole {
-            self.means.add(i, (luminance(sum) / f64::from(block.sample_count)) as f32);
+            self.means.add(i, (luminance(block.sum) / f64::from(block.sample_count)) as f32);
         }
     }
 
@@ -140,7 +139,7 @@ mod tests {
     const WINDOW: Crop = Crop { x: 0, y: 0, width: 1, height: 1 };
 
     fn block(value: f32, n: u32) -> BlockSum {
-        BlockSum { sum: [value * n as f32; 3], sample_count: n }
+        BlockSum { sum: [f64::from(value * n as f32); 3], sample_count: n }
     }
 
     #[test]

@@ -58,7 +58,9 @@ fn record(m: &Material, textures: [u32; 4]) -> GpuMaterial {
         emission: m.emission.into(),
         alpha_cutoff: match m.alpha_mode {
             AlphaMode::Mask(cutoff) => cutoff,
-            AlphaMode::Opaque | AlphaMode::Blend => -1.0,
+            // Every alpha reaches it.
+            AlphaMode::Opaque => 0.0,
+            AlphaMode::Blend => -1.0,
         },
         specular_color: m.specular_color.into(),
         specular: m.specular,

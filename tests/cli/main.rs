@@ -4,6 +4,7 @@
 mod bad_input;
 mod flags;
 mod pictures;
+mod reference;
 mod scene;
 mod signals;
 
