@@ -1,9 +1,7 @@
 //! GGX's D, frames of normals, and cosine-weighted directions.
 
 use super::{Input, definition, run};
-use crate::common::{
-    Call, Random, assert_at_most, assert_naive_fails, harness, report,
-};
+use crate::common::{Call, Random, assert_at_most, assert_naive_fails, harness, report};
 use glam::{DVec3, Vec3, Vec4};
 use steradian::shader::Feature;
 
@@ -22,8 +20,7 @@ pub(super) fn parts(inputs: &[(Vec3, f32, [f32; 2])]) -> Vec<Parts> {
         [n.extend(*alpha), Vec4::new(*u, *v, 0.0, 0.0)]
     };
     let words: Vec<[Vec4; 2]> = inputs.iter().map(words).collect();
-    let outputs: Vec<[Vec4; 4]> =
-        Call::new(harness!("bsdf_parts"), &[Feature::Ggx]).run(&words, 1);
+    let outputs: Vec<[Vec4; 4]> = Call::new(harness!("bsdf_parts"), &[Feature::Ggx]).run(&words, 1);
     let part = |[t, b, c, r]: [Vec4; 4]| Parts {
         tangent: t.truncate(),
         bitangent: b.truncate(),
@@ -120,7 +117,16 @@ fn g11_frames_are_orthonormal_at_every_normal() {
 fn g12_no_random_number_makes_a_lambert_sample_infinite() {
     let one_below = 1.0_f32.next_down();
     let half = 0.5_f32;
-    let edges = [0.0, f32::MIN_POSITIVE, 1.0 / 16_777_216.0, half.next_down(), half, half.next_up(), one_below, 0.25];
+    let edges = [
+        0.0,
+        f32::MIN_POSITIVE,
+        1.0 / 16_777_216.0,
+        half.next_down(),
+        half,
+        half.next_up(),
+        one_below,
+        0.25,
+    ];
     let mut random = Random(3);
     let mut us: Vec<[f32; 2]> = edges.iter().flat_map(|&a| edges.map(|b| [a, b])).collect();
     for _ in 0..1 << 14 {
@@ -133,7 +139,14 @@ fn g12_no_random_number_makes_a_lambert_sample_infinite() {
     let inputs: Vec<_> =
         us.iter().map(|[x, y]| Input { u: Vec4::new(*x, *y, 0.0, 0.0), ..lambert }).collect();
     let (mut error, mut none) = (0.0_f64, 0);
-    for out in run(&inputs) {
+    for (out, part) in
+        run(&inputs).iter().zip(parts(&us.iter().map(|&u| (Vec3::Z, 1.0, u)).collect::<Vec<_>>()))
+    {
+        assert!(
+            part.cosine.z >= 0.0 && (part.cosine.length() - 1.0).abs() <= 1e-6,
+            "{}",
+            part.cosine
+        );
         if out.pdf == 0.0 {
             assert_eq!(out.weight, Vec3::ZERO);
             none += 1;

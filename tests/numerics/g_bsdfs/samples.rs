@@ -14,7 +14,8 @@ fn luminance(c: Vec3) -> f64 {
 fn lobes(b: &Input) -> [f64; 3] {
     let cos_o = f64::from(b.wo.z);
     let schlick = |f0: f32, f90: f32| definition::schlick(f0.into(), f90.into(), cos_o);
-    let specular = Vec3::from(b.specular_f0.to_array().map(|f0| schlick(f0, b.specular_f90) as f32));
+    let specular =
+        Vec3::from(b.specular_f0.to_array().map(|f0| schlick(f0, b.specular_f90) as f32));
     let diffuse = luminance(b.diffuse) * (1.0 - schlick(b.diffuse_f0, b.diffuse_f90));
     let [mut specular, mut transmitted] = [luminance(specular), 0.0];
     if b.transmitted.max_element() > 0.0 {
@@ -54,8 +55,7 @@ fn g3_samples_of_mixed_lobes_follow_their_density() {
     for (k, &(alpha, cos_o)) in cases.iter().enumerate() {
         let b = Input::mixed(alpha, cos_o);
         let outputs = run(&b.sampled(COUNT, &mut Random(400 + k as u64)));
-        let draws =
-            outputs.iter().map(|o| (o.pdf != 0.0).then(|| o.wi.as_dvec3().to_array()));
+        let draws = outputs.iter().map(|o| (o.pdf != 0.0).then(|| o.wi.as_dvec3().to_array()));
         let lobes = lobes(&b);
         let grid = DirectionGrid::hemisphere([0.0, 0.0, 1.0], 16, 32);
         let fit = grid.test(draws, |wi| pdf(&b, lobes, wi.into()));
