@@ -11,7 +11,7 @@ struct DielectricFresnel {
 // eta: index on the side of the incident direction over the index beyond.
 fn fresnel_dielectric(cos_i: f32, eta: f32) -> DielectricFresnel {
     // 1 - eta² sin², in a form that loses nothing where indices nearly agree.
-    let cos2_t = (1.0 - eta) * (1.0 + eta) + (eta * cos_i) * (eta * cos_i);
+    let cos2_t = cos_i * cos_i + (1.0 - eta) * (1.0 + eta) * (1.0 - cos_i) * (1.0 + cos_i);
     if cos2_t <= 0.0 {
         return DielectricFresnel(1.0, 0.0);
     }

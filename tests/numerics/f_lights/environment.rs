@@ -245,8 +245,8 @@ fn f11_irradiance_of_one_bright_texel() {
         let map = map(32, 16, turn, |x, y| if (x, y) == (16, row) { 100.0 } else { 0.0 });
         let n = (turn * Vec3::Y).as_dvec3();
         let truth = f64::from(ALBEDO) / PI * irradiance(&map, n);
-        let estimate = Estimate::of_pixels(&render(&under(map), &settings(16, 16, 512)));
-        assert_truth(name, estimate, truth, 2e-3);
+        let estimate = Estimate::of_pixels(&render(&under(map), &settings(16, 16, 4096)));
+        assert_truth(name, estimate, truth, 1e-3);
         worst = worst.max((estimate.mean / truth - 1.0).abs());
     }
     assert_at_most("F11", "irradiance of one bright texel: largest relative error", worst, 1e-3);

@@ -41,7 +41,7 @@ fn g9_a_glass_ball_vanishes_in_uniform_light() {
     stage.sky(1.0);
     for roulette in [false, true] {
         // Light that was reflected more than 64 times within is some 1e-3 at the rim alone.
-        let settings = RenderSettings { roulette, ..settings(32, 32, 64) };
+        let settings = RenderSettings { roulette, ..settings(16, 16, 64) };
         let estimate = Estimate::of(&render_with(&stage.scene, &settings, None));
         assert_truth(&format!("ball, roulette {roulette}"), estimate, 1.0, 2e-3);
         report(
@@ -73,7 +73,7 @@ fn g9_radiance_within_glass_is_eta_squared() {
     let truth = f64::from(INDEX).powi(2);
     for eye in [Vec3::ZERO, Vec3::new(0.2, -0.1, 0.3)] {
         for roulette in [false, true] {
-            let settings = RenderSettings { roulette, ..settings(32, 32, 64) };
+            let settings = RenderSettings { roulette, ..settings(16, 16, 64) };
             let scene = inside_glass(eye);
             let estimate = Estimate::of(&render_with(&scene, &settings, None));
             assert_truth(&format!("from {eye}, roulette {roulette}"), estimate, truth, 1e-3);
@@ -140,7 +140,7 @@ fn g10_smooth_normals_make_no_light() {
             strategy: Strategy::Bsdf,
             roulette: false,
             max_bounces: Some(64),
-            ..settings(32, 32, 64)
+            ..settings(16, 16, 64)
         };
         let pixels = render_with(&stage.scene, &settings, None);
         let most = pixels.iter().copied().fold(0.0, f64::max);
@@ -161,7 +161,7 @@ fn g10_smooth_normals_make_no_light() {
 #[test]
 fn g10_no_light_leaks_through_a_surface_that_turns_away() {
     let mut leaks = 0;
-    for degrees in [60.0_f64, 80.0, 85.0, 89.0, 95.0, 120.0] {
+    for degrees in [80.0_f64, 89.0, 100.0] {
         let (sin, cos) = degrees.to_radians().sin_cos();
         // From beside the camera's axis to behind the ball.
         let to_light = Vec3::new(sin as f32, 0.0, cos as f32);
@@ -176,5 +176,5 @@ fn g10_no_light_leaks_through_a_surface_that_turns_away() {
         assert!(lit.iter().all(|l| l.is_finite() && *l >= 0.0));
         leaks += lit.iter().zip(&facing).filter(|(l, f)| **l > 0.0 && **f == 0.0).count();
     }
-    assert_at_most("G10", "pixels lit from behind, grazing light, six angles", leaks as f64, 0.0);
+    assert_at_most("G10", "pixels lit from behind, grazing light, three angles", leaks as f64, 0.0);
 }
