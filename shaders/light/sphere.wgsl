@@ -29,12 +29,13 @@ fn light_sphere_view(l: Light, from_point: vec3<f32>) -> SphereView {
     return v;
 }
 
-// Cone: 1 / (2 π (1 - cos)). Inside: d² / (4 π R² cos) at the point of the sphere in
-// direction `toward`.
-fn light_sphere_density(l: Light, v: SphereView, toward: vec3<f32>, n: vec3<f32>) -> f32 {
-    if !v.is_inside {
-        return l.pmf / (2.0 * PI * v.one_minus_cos);
-    }
+// Of a direction in the cone: 1 / (2 π (1 - cos)).
+fn light_sphere_cone_pdf(l: Light, v: SphereView) -> f32 {
+    return l.pmf / (2.0 * PI * v.one_minus_cos);
+}
+
+// Of a point of the sphere seen from inside, `toward` away and with normal n: d² / (4 π R² cos).
+fn light_sphere_area_pdf(l: Light, toward: vec3<f32>, n: vec3<f32>) -> f32 {
     let d2 = dot(toward, toward);
     let projected = abs(dot(n, toward)) / sqrt(d2) * (4.0 * PI * l.b.x * l.b.x);
     return select(l.pmf * d2 / projected, 0.0, projected <= 0.0);
@@ -46,21 +47,24 @@ fn light_sphere_sample(l: Light, s: Surface, u: vec2<f32>) -> LightSample {
         return light_none();
     }
     let radius = l.b.x;
-    var to = SphereDirection(warp_sphere(u), vec3<f32>(0.0));
+    var to: SphereDirection;
+    var pdf: f32;
     if v.is_inside {
-        to.wi = surface_unit(l.a + radius * to.n - s.position);
+        to.n = warp_sphere(u);
+        let toward = l.a + radius * to.n - s.position;
+        to.wi = surface_unit(toward);
+        pdf = light_sphere_area_pdf(l, toward, to.n);
     } else {
         to = light_sphere_cone(v, radius, u);
+        pdf = light_sphere_cone_pdf(l, v);
     }
-    let point = l.a + radius * to.n;
-    let pdf = light_sphere_density(l, v, point - s.position, to.n);
     if pdf <= 0.0 {
         return light_none();
     }
     // Beyond the error of a hit seen from the receiver, which grows with the distance.
     let extent = max(max_component(abs(l.a)), max(radius, v.distance));
     let offset = spawn_offset(extent) * select(1.0, -1.0, v.is_inside);
-    return LightSample(to.wi, pdf, light_color(l) / pdf, point + offset * to.n, false);
+    return LightSample(to.wi, pdf, light_color(l) / pdf, l.a + radius * to.n + offset * to.n, false);
 }
 
 // A direction, and the sphere's normal where it first meets the sphere.
@@ -96,7 +100,7 @@ fn light_sphere_cone(v: SphereView, radius: f32, u: vec2<f32>) -> SphereDirectio
 fn light_sphere_pdf(l: Light, s: Surface, from_point: vec3<f32>) -> f32 {
     let v = light_sphere_view(l, from_point);
     if !v.is_inside {
-        return light_sphere_density(l, v, v.axis, v.axis);
+        return light_sphere_cone_pdf(l, v);
     }
     let radius = l.b.x;
     // Along the ray: to the point nearest to the centre, and from there half the chord, which
