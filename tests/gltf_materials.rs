@@ -74,29 +74,6 @@ fn texture_coordinates_turn_against_the_image() {
 }
 
 #[test]
-fn values_out_of_range_are_clamped_with_a_notice() {
-    let fixture = Fixture::with_material(json!({
-        "emissiveFactor": [-1.0, 0.0, 3.0],
-        "pbrMetallicRoughness": {
-            "baseColorFactor": [1.5, -0.5, 0.5, 1.0], "metallicFactor": 2.0, "roughnessFactor": -1.0,
-        },
-        "extensions": {"KHR_materials_ior": {"ior": 0.5}},
-    }));
-    let scene = fixture.scene();
-    let material = &scene.materials[0];
-    assert_eq!(material.base_color, Vec3::new(1.0, 0.0, 0.5));
-    assert_eq!((material.metallic, material.roughness, material.ior), (1.0, 0.0, 1.0));
-    assert_eq!(material.emission, Vec3::new(0.0, 0.0, 3.0));
-    let clamped =
-        ["baseColorFactor", "metallicFactor", "roughnessFactor", "ior", "negative emissiveFactor"];
-    for what in clamped {
-        assert!(has_notice(&scene, Treatment::Approximated, what), "{what}: {:?}", scene.notices);
-    }
-    let message = fixture.load_strict().unwrap_err().to_string();
-    assert_contains(&message, "metallicFactor outside [0, 1] clamped");
-}
-
-#[test]
 fn extensions_have_one_notice_each_and_strict_loading_refuses_them() {
     let mut fixture = Fixture::with_material(json!({
         "extensions": {"KHR_materials_unlit": {}, "KHR_materials_ior": {"ior": 1.4}},

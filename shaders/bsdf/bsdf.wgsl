@@ -96,8 +96,10 @@ fn bsdf_eval(b: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
     if wi.z <= 0.0 || wo.z <= 0.0 {
         return vec3<f32>(0.0);
     }
-    let h = normalize(wo + wi);
-    let cos_h = dot(wo, h);
+    // Half the sum's length is the cosine of either direction to h: the same both ways.
+    let sum = wo + wi;
+    let cos_h = 0.5 * length(sum);
+    let h = normalize(sum);
     var f = b.diffuse * (bsdf_below_coat(b, cos_h) * lambert_pdf(wi));
 #if GGX
     if b.alpha > 0.0 {

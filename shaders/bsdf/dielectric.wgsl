@@ -10,11 +10,12 @@ struct DielectricFresnel {
 
 // eta: index on the side of the incident direction over the index beyond.
 fn fresnel_dielectric(cos_i: f32, eta: f32) -> DielectricFresnel {
-    let sin2_t = eta * eta * max(0.0, 1.0 - cos_i * cos_i);
-    if sin2_t >= 1.0 {
+    // 1 - eta² sin², in a form that loses nothing where indices nearly agree.
+    let cos2_t = cos_i * cos_i + (1.0 - eta) * (1.0 + eta) * (1.0 - cos_i) * (1.0 + cos_i);
+    if cos2_t <= 0.0 {
         return DielectricFresnel(1.0, 0.0);
     }
-    let cos_t = sqrt(1.0 - sin2_t);
+    let cos_t = sqrt(cos2_t);
     let s = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     let p = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
     return DielectricFresnel(min(0.5 * (s * s + p * p), 1.0), cos_t);

@@ -29,12 +29,13 @@ fn light_sphere_view(l: Light, from_point: vec3<f32>) -> SphereView {
     return v;
 }
 
-// Cone: 1 / (2 π (1 - cos)). Inside: d² / (4 π R² cos) at the point of the sphere in
-// direction `toward`.
-fn light_sphere_density(l: Light, v: SphereView, toward: vec3<f32>, n: vec3<f32>) -> f32 {
-    if !v.is_inside {
-        return l.pmf / (2.0 * PI * v.one_minus_cos);
-    }
+// Of a direction in the cone: 1 / (2 π (1 - cos)).
+fn light_sphere_cone_pdf(l: Light, v: SphereView) -> f32 {
+    return l.pmf / (2.0 * PI * v.one_minus_cos);
+}
+
+// Of a point of the sphere seen from inside, `toward` away and with normal n: d² / (4 π R² cos).
+fn light_sphere_area_pdf(l: Light, toward: vec3<f32>, n: vec3<f32>) -> f32 {
     let d2 = dot(toward, toward);
     let projected = abs(dot(n, toward)) / sqrt(d2) * (4.0 * PI * l.b.x * l.b.x);
     return select(l.pmf * d2 / projected, 0.0, projected <= 0.0);
@@ -46,43 +47,70 @@ fn light_sphere_sample(l: Light, s: Surface, u: vec2<f32>) -> LightSample {
         return light_none();
     }
     let radius = l.b.x;
-    var n: vec3<f32>;
+    var to: SphereDirection;
+    var pdf: f32;
     if v.is_inside {
-        n = warp_sphere(u);
+        to.n = warp_sphere(u);
+        let toward = l.a + radius * to.n - s.position;
+        to.wi = surface_unit(toward);
+        pdf = light_sphere_area_pdf(l, toward, to.n);
     } else {
-        n = light_sphere_cone(v, radius, u);
+        to = light_sphere_cone(v, radius, u);
+        pdf = light_sphere_cone_pdf(l, v);
     }
-    let point = l.a + radius * n;
-    let toward = point - s.position;
-    let pdf = light_sphere_density(l, v, toward, n);
     if pdf <= 0.0 {
         return light_none();
     }
     // Beyond the error of a hit seen from the receiver, which grows with the distance.
     let extent = max(max_component(abs(l.a)), max(radius, v.distance));
     let offset = spawn_offset(extent) * select(1.0, -1.0, v.is_inside);
-    return LightSample(surface_unit(toward), pdf, light_color(l) / pdf, point + offset * n, false);
+    return LightSample(to.wi, pdf, light_color(l) / pdf, l.a + radius * to.n + offset * to.n, false);
 }
 
-// Normal of the sphere at the near end of a direction uniform in the cone.
-fn light_sphere_cone(v: SphereView, radius: f32, u: vec2<f32>) -> vec3<f32> {
+// A direction, and the sphere's normal where it first meets the sphere.
+struct SphereDirection {
+    n: vec3<f32>,
+    wi: vec3<f32>,
+}
+
+// Uniform in the cone.
+fn light_sphere_cone(v: SphereView, radius: f32, u: vec2<f32>) -> SphereDirection {
     // 1 - cos of the angle to the axis, and its squared sine.
     let h = u.x * v.one_minus_cos;
     let sin2 = h * (2.0 - h);
     let cosine = 1.0 - h;
-    // Angle at the centre (pbrt 4th ed., section 6.2.4, in terms of sines).
+    // Angle at the centre (pbrt 4th ed., section 6.2.4, in terms of sines). Its sine is the
+    // distance along the direction times the direction's own sine: exact for a close sphere too,
+    // where the cosine is 1 but for rounding.
     let k = v.distance / radius;
-    let cos_center = sin2 * k + cosine * sqrt(max(0.0, 1.0 - sin2 * k * k));
-    let sin_center = sqrt(max(0.0, 1.0 - cos_center * cos_center));
+    let root = sqrt(max(0.0, 1.0 - sin2 * k * k));
+    let along = (v.distance - radius) * (v.distance + radius) / (v.distance * cosine + radius * root);
+    let sine = sqrt(sin2);
+    let sin_center = along * sine / radius;
+    let cos_center = sin2 * k + cosine * root;
     let phi = 2.0 * PI * u.y;
+    let around = vec2<f32>(cos(phi), sin(phi));
     let f = frame_from_normal(v.axis);
-    return surface_unit(f * vec3<f32>(sin_center * cos(phi), sin_center * sin(phi), -cos_center));
+    let n = surface_unit(f * vec3<f32>(sin_center * around, -cos_center));
+    return SphereDirection(n, surface_unit(f * vec3<f32>(sine * around, cosine)));
 }
 
+// By the direction and not by the point that the ray met: rays leave from beside `from_point`, and
+// light samples do not know that.
 fn light_sphere_pdf(l: Light, s: Surface, from_point: vec3<f32>) -> f32 {
     let v = light_sphere_view(l, from_point);
-    if v.is_inside && l.is_double_sided == 0u {
+    if !v.is_inside {
+        return light_sphere_cone_pdf(l, v);
+    }
+    let radius = l.b.x;
+    // Along the ray: to the point nearest to the centre, and from there half the chord, which
+    // from within is no less.
+    let middle = -dot(s.wo, v.axis) * v.distance;
+    let depth = max(0.0, (radius - v.distance) * (radius + v.distance));
+    let half_chord = sqrt(middle * middle + depth);
+    let d = select(depth / (half_chord - middle), middle + half_chord, middle >= 0.0);
+    if l.is_double_sided == 0u || half_chord <= 0.0 {
         return 0.0;
     }
-    return light_sphere_density(l, v, s.position - from_point, s.ng);
+    return l.pmf * d * d / (4.0 * PI * radius * half_chord);
 }

@@ -8,7 +8,8 @@ use crate::shader::generated::{INVALID, light};
 use glam::Vec3;
 use std::f64::consts::PI;
 
-/// Share of the choices that goes to all lights alike, so that none of low power is lost to rounding.
+/// Share of the choices that goes to all lights with power alike, so that none of little power
+/// is lost to rounding.
 const UNIFORM_SHARE: f64 = 1e-3;
 
 /// `lights`.
@@ -58,10 +59,10 @@ pub(super) fn build(scene: &Scene, emitters: &[Emitter], environment_integral: f
 /// Sets cdf and pmf; gives the last light's pmf if that is the environment.
 fn assign(records: &mut [GpuLight], powers: &[f64], has_environment: bool) -> f32 {
     let sum: f64 = powers.iter().sum();
-    let n = powers.len() as f64;
-    let share = |p: &f64| {
-        let by_power = if sum > 0.0 { p / sum } else { 1.0 / n };
-        UNIFORM_SHARE / n + (1.0 - UNIFORM_SHARE) * by_power
+    let n = powers.iter().filter(|p| **p > 0.0).count() as f64;
+    let share = |p: &f64| match *p > 0.0 {
+        true => UNIFORM_SHARE / n + (1.0 - UNIFORM_SHARE) * p / sum,
+        false => 0.0,
     };
     let cdf = cumulative(&powers.iter().map(share).collect::<Vec<_>>());
     for (record, pair) in records.iter_mut().zip(cdf.windows(2)) {

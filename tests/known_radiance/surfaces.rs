@@ -1,4 +1,4 @@
-//! Rough metal, alpha, textures and normal maps.
+//! Alpha, textures and normal maps.
 
 use crate::common::{
     Estimate, Stage, assert_constant, assert_truth, emitter, grey, lambert, quad_mesh, render,
@@ -9,7 +9,6 @@ use std::f64::consts::PI;
 use steradian::RenderSettings;
 use steradian::film::Film;
 use steradian::scene::{AlphaMode, ColorSpace, Image, LightKind, Material, TextureRef, Wrap};
-use steradian::settings::Strategy;
 
 /// Pixels on a strip's side: strips are squares side by side in a picture.
 const STRIP: u32 = 8;
@@ -23,58 +22,6 @@ fn strips(film: &Film) -> Vec<Estimate> {
         Estimate::of(&rows.copied().collect::<Vec<_>>())
     };
     (0..width / side).map(of_strip).collect()
-}
-
-/// Directional albedo of GGX with height-correlated Smith masking and F = 1, single
-/// scattering: rows alpha, columns cosine.
-const ALPHAS: [f64; 6] = [0.05, 0.1, 0.25, 0.5, 0.75, 1.0];
-const COSINES: [f64; 5] = [1.0, 0.7, 0.3, 0.1, 0.02];
-const ALBEDOS: [[f64; 5]; 6] = [
-    [0.99730, 0.99574, 0.98168, 0.91135, 0.92891],
-    [0.98830, 0.98142, 0.93625, 0.88345, 0.95634],
-    [0.91581, 0.88534, 0.83791, 0.89162, 0.96772],
-    [0.68785, 0.68295, 0.74527, 0.86011, 0.95578],
-    [0.46392, 0.51149, 0.65028, 0.81071, 0.93879],
-    [0.30685, 0.37889, 0.56010, 0.76021, 0.92136],
-];
-/// Half a unit of the table's last digit, and what its quadrature may be off by.
-const TABLE_ERROR: f64 = 2e-5;
-
-/// White metal under a white sky shows its albedo. A strip for each alpha, in one plane.
-#[test]
-fn rough_metal_has_the_albedo_of_single_scattering() {
-    for (column, cos) in COSINES.into_iter().enumerate() {
-        let sin = (1.0 - cos * cos).sqrt();
-        // At the grazing angle the lower edge of the view must still begin above the plane.
-        // The picture's x axis is the world's z axis, in which the strips are placed.
-        let eye = Vec3::new(-sin as f32, cos as f32, 0.0);
-        let mut stage = Stage::orthographic(eye * 100.0, Vec3::ZERO, 0.5);
-        let camera = &mut stage.scene.cameras[0].world_from_camera;
-        (camera.matrix3.x_axis, camera.matrix3.y_axis) =
-            (Vec3::Z.into(), eye.cross(Vec3::Z).into());
-        for (row, alpha) in ALPHAS.into_iter().enumerate() {
-            let metal = Material { roughness: alpha.sqrt() as f32, ..Material::default() };
-            let z = row as f32 - (ALPHAS.len() - 1) as f32 / 2.0;
-            // Long enough to fill the view at a grazing angle.
-            stage.quad(Vec3::new(1.0, 0.0, z), Vec3::Z * 0.5, Vec3::X * 60.0, metal);
-        }
-        stage.sky(1.0);
-        let width = STRIP * ALPHAS.len() as u32;
-        for (strategy, spp, visible_bias) in
-            [(Strategy::Bsdf, 1024, 0.001), (Strategy::Mis, 256, 0.01)]
-        {
-            let settings = RenderSettings { strategy, ..settings(width, STRIP, spp) };
-            for (row, mut estimate) in
-                strips(&render(&stage.scene, &settings)).into_iter().enumerate()
-            {
-                let truth = ALBEDOS[row][column];
-                let what = format!("alpha {}, cos {cos}, {strategy:?}", ALPHAS[row]);
-                // The table's own error is no fault of the estimate.
-                estimate.mean -= (estimate.mean - truth).clamp(-TABLE_ERROR, TABLE_ERROR);
-                assert_truth(&what, estimate, truth, visible_bias);
-            }
-        }
-    }
 }
 
 fn see_through(alpha_mode: AlphaMode, alpha: f32) -> Material {

@@ -1,22 +1,27 @@
-// The GGX lobe for one direction and one sample, and Fresnel's factor of an interface.
-#import bsdf/ggx
-#import bsdf/dielectric
+// One sample of a BSDF, and its value and density for another pair of directions.
+#import bsdf/scatter
 
 struct Input {
     // Unit, z > 0; and alpha.
     wo: vec4<f32>,
-    // Another unit vector with z > 0; and the ratio of indices.
+    // Another unit vector; and eta.
     wi: vec4<f32>,
+    // Albedo of the Lambert lobe; and diffuse_f0.
+    diffuse: vec4<f32>,
+    // specular_f0, specular_f90.
+    specular: vec4<f32>,
+    // Share that passes; and diffuse_f90.
+    transmitted: vec4<f32>,
     u: vec4<f32>,
 }
 
 struct Output {
-    // The sampled direction, and its density.
+    // The sampled direction, and its density; 0 is no sample.
     sampled: vec4<f32>,
-    // Value over density of the sample; density and value for `wi`; nothing.
-    lobe: vec4<f32>,
-    // Reflectance and refracted cosine for wo.
-    fresnel: vec4<f32>,
+    // Its weight, and eta_scale.
+    weight: vec4<f32>,
+    // Value for wi, and density.
+    other: vec4<f32>,
 }
 
 @group(0) @binding(20) var<storage, read> inputs: array<Input>;
@@ -25,14 +30,18 @@ struct Output {
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = inputs[id.x];
+    var b: Bsdf;
+    b.diffuse = i.diffuse.xyz;
+    b.diffuse_f0 = i.diffuse.w;
+    b.specular_f0 = i.specular.xyz;
+    b.specular_f90 = i.specular.w;
+    b.transmitted = i.transmitted.xyz;
+    b.diffuse_f90 = i.transmitted.w;
+    b.alpha = i.wo.w;
+    b.eta = i.wi.w;
     let wo = i.wo.xyz;
-    let alpha = i.wo.w;
-    let sampled = ggx_sample(alpha, wo, i.u.xy);
-    let h = normalize(wo + sampled);
-    let pdf = ggx_pdf(alpha, wo, sampled, h);
-    let weight = ggx_eval(alpha, wo, sampled, h) / pdf;
-    let h_i = normalize(wo + i.wi.xyz);
-    let lobe = vec4<f32>(weight, ggx_pdf(alpha, wo, i.wi.xyz, h_i), ggx_eval(alpha, wo, i.wi.xyz, h_i), 0.0);
-    let f = fresnel_dielectric(wo.z, i.wi.w);
-    outputs[id.x] = Output(vec4<f32>(sampled, pdf), lobe, vec4<f32>(f.reflectance, f.cos_t, 0.0, 0.0));
+    let wi = i.wi.xyz;
+    let s = bsdf_sample(b, wo, i.u.xy);
+    let other = vec4<f32>(bsdf_eval(b, wo, wi), bsdf_pdf(b, wo, wi));
+    outputs[id.x] = Output(vec4<f32>(s.wi, s.pdf), vec4<f32>(s.weight, s.eta_scale), other);
 }
