@@ -51,7 +51,9 @@ impl Primitive {
     fn hit(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         match *self {
             Self::Triangle([a, b, c]) => triangle_hit(ray.o, ray.d, a, b, c, t_max).map(|h| h.t),
-            Self::Sphere(center, radius) => sphere_hit(ray.o, ray.d, center, radius, t_max),
+            Self::Sphere(center, radius) => {
+                sphere_hit::<false>(ray.o, ray.d, center, radius, t_max)
+            }
         }
     }
 }

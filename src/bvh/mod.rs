@@ -7,7 +7,8 @@
 //! [`BvhNode`] says how a node is laid out, [`GridRay`] how a ray meets its boxes, and
 //! [`closest_hit`] and [`any_hit`] are the traversal as the shaders do it.
 //! [`triangle_hit`], [`sphere_hit`] and [`sphere_hit_anchored`] are the shaders'
-//! intersection functions in the same arithmetic.
+//! intersection functions in the same arithmetic, and [`SpawnPoint`] is how rays leave
+//! what they met.
 //!
 //! [`Bvh::validate`] proves a tree and measures it.
 
@@ -15,11 +16,13 @@ mod bounds;
 mod build_median;
 mod build_sah;
 mod builder;
+mod contracted;
 mod grid_ray;
 mod node;
 mod quantise;
 #[cfg(test)]
 mod random;
+mod spawn;
 mod sphere;
 mod traverse;
 mod triangle;
@@ -33,7 +36,8 @@ pub use node::{
     BvhChild, BvhNode, GRID_MAX, LEAF_BIT, LEAF_COUNT_MASK, LEAF_COUNT_SHIFT, LEAF_FIRST_MASK,
     LEAF_KIND_MASK, LEAF_KIND_SHIFT, Link, MAX_ITEMS, UPPER_PLANE_SHIFT,
 };
-pub use sphere::{sphere_hit, sphere_hit_anchored};
+pub use spawn::{SpawnPoint, spawn_offset};
+pub use sphere::{AnchoredSphere, sphere_hit, sphere_hit_anchored};
 pub use traverse::{ItemHit, Ray, any_hit, closest_hit};
 pub use triangle::{TriangleHit, triangle_hit};
 pub use validate::BvhStatistics;

@@ -63,6 +63,8 @@ impl Job {
         check_bounces(&settings)?;
         settings.validate(&scene)?;
         check_size(&settings)?;
+        let camera = &scene.cameras[settings.camera];
+        scene.notices.extend(camera.precision_notice(settings.resolution));
         Ok(Self { scene, settings, requested_spp, load_seconds })
     }
 }
