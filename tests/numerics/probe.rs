@@ -96,3 +96,72 @@ pub(crate) fn sphere_hits(inputs: &[[Vec4; 5]]) -> Vec<[f32; 2]> {
     found.truncate(inputs.len());
     found
 }
+
+/// What became of a light sample; as in `tests/shaders/segment.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct Segment {
+    state: u32,
+    /// Radiance over density times the receiver's cosine.
+    pub(crate) irradiance: f32,
+}
+
+impl Segment {
+    /// Whether the way is clear; `None` where there is no surface or the light does not face it.
+    pub(crate) fn is_visible(&self) -> Option<bool> {
+        [None, Some(true), Some(false)][self.state as usize]
+    }
+}
+
+/// For each ray, a light sample of its hit by the pair of numbers beside it.
+pub(crate) fn segments(
+    scene: &Scene,
+    settings: &RenderSettings,
+    rays: &[((Vec3, Vec3), [f32; 2])],
+) -> Vec<Segment> {
+    let input = |((o, d), [u, v]): &((Vec3, Vec3), [f32; 2])| [o.extend(*u), d.extend(*v)];
+    let mut inputs: Vec<[Vec4; 2]> = rays.iter().map(input).collect();
+    inputs.resize(rays.len().next_multiple_of(64), inputs[0]);
+    let mut found: Vec<Segment> =
+        Call::new(harness!("segment"), &[]).on(scene, settings).run(&inputs, 1);
+    found.truncate(rays.len());
+    found
+}
+
+/// Rays of the camera for a film position and a lens sample each: origin and direction.
+pub(crate) fn camera_rays(
+    scene: &Scene,
+    settings: &RenderSettings,
+    inputs: &[Vec4],
+) -> Vec<[Vec4; 2]> {
+    let mut padded = inputs.to_vec();
+    padded.resize(inputs.len().next_multiple_of(64), inputs[0]);
+    let mut rays: Vec<[Vec4; 2]> =
+        Call::new(harness!("camera"), &[]).on(scene, settings).run(&padded, 1);
+    rays.truncate(inputs.len());
+    rays
+}
+
+/// What of a ray is left after its refractions; as in `tests/shaders/glass.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct Refracted {
+    pub(crate) position: Vec3,
+    /// Interfaces passed.
+    pub(crate) count: u32,
+    pub(crate) direction: Vec3,
+    /// 1 after total reflection, which ends it.
+    pub(crate) is_reflected: u32,
+}
+
+/// Refracts rays until they meet nothing.
+pub(crate) fn refractions(scene: &Scene, rays: &[(Vec3, Vec3)]) -> Vec<Refracted> {
+    let input = |(o, d): &(Vec3, Vec3)| [o.extend(0.0), d.extend(0.0)];
+    let mut inputs: Vec<[Vec4; 2]> = rays.iter().map(input).collect();
+    inputs.resize(rays.len().next_multiple_of(64), inputs[0]);
+    let settings = settings(8, 8, 1);
+    let mut found: Vec<Refracted> =
+        Call::new(harness!("glass"), &[]).on(scene, &settings).run(&inputs, 1);
+    found.truncate(rays.len());
+    found
+}

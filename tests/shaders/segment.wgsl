@@ -1,6 +1,9 @@
 // A light sample for the surface that a ray meets, and whether anything is in its way.
 #import geometry/trace
 #import light/direct
+#if MIS
+#import strategy/mis
+#endif
 
 struct Input {
     origin: vec3<f32>,
@@ -15,7 +18,6 @@ struct Output {
     state: u32,
     // Radiance over density, of red, times the cosine at the receiver.
     irradiance: f32,
-    position: vec2<f32>,
 }
 
 @group(0) @binding(20) var<storage, read> inputs: array<Input>;
@@ -33,11 +35,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
         return;
     }
     let s = surface_at(ray, hit);
-    let l = light_sample(s, vec2<f32>(i.u, i.v), i.u);
+    let l = light_sample(direct_receiver(s), vec2<f32>(i.u, i.v), i.u);
     let cosine = dot(l.wi, s.ng);
     if max_component(l.weight) <= 0.0 || cosine <= 0.0 {
         return;
     }
     let is_blocked = trace_any(direct_ray(s, l, 0u), true);
-    outputs[id.x] = Output(select(1u, 2u, is_blocked), l.weight.x * cosine, s.position.xz);
+    outputs[id.x] = Output(select(1u, 2u, is_blocked), l.weight.x * cosine);
 }
