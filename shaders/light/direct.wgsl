@@ -15,14 +15,6 @@ fn direct_none() -> DirectSample {
     return DirectSample(vec3<f32>(0.0), ray_new(vec3<f32>(0.0), vec3<f32>(0.0, 0.0, 1.0)));
 }
 
-// The receiver as light sampling sees it: where rays leave it, so that directions and densities
-// are those of the segment, and of rays that are scattered.
-fn direct_receiver(s: Surface) -> Surface {
-    var receiver = s;
-    receiver.position = ray_spawn(s.position, s.ng, s.offset, s.ng);
-    return receiver;
-}
-
 // Both ends are off their surfaces, so all of the segment counts.
 fn direct_ray(s: Surface, l: LightSample, alpha_seed: u32) -> Ray {
     let origin = ray_spawn(s.position, s.ng, s.offset, l.wi);
@@ -44,7 +36,7 @@ fn direct_sample(s: Surface, b: Bsdf, frame_s: mat3x3<f32>, sampler_s: Sampler, 
         v = sampler_light(sampler_s, bounce, number);
     }
 #endif
-    let l = light_sample(direct_receiver(s), v, sampler_choice(sampler_s, bounce, number).y);
+    let l = light_sample(s, v, sampler_choice(sampler_s, bounce, number).y);
     // Light from behind the true surface would leak through it.
     if max_component(l.weight) <= 0.0 || dot(l.wi, s.ng) <= 0.0 {
         return d;

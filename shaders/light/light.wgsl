@@ -112,12 +112,13 @@ fn light_sample(s: Surface, u: vec2<f32>, choice: f32) -> LightSample {
     return light_none();
 }
 
-// Density with which light_sample at `from` would have found the emitting surface `s` that a ray met.
-fn light_surface_pdf(s: Surface, from_point: vec3<f32>) -> f32 {
+// Density with which light_sample at `from_point` would have found the emitting surface `s` that
+// a ray met which left there from `ray_origin`.
+fn light_surface_pdf(s: Surface, from_point: vec3<f32>, ray_origin: vec3<f32>) -> f32 {
     let l = lights[s.light];
 #if LIGHT_SPHERES
     if l.kind == LIGHT_SPHERE {
-        return light_sphere_pdf(l, s, from_point);
+        return light_sphere_pdf(l, s, from_point, ray_origin);
     }
 #endif
 #if LIGHT_TRIANGLES

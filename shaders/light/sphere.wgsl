@@ -48,13 +48,17 @@ fn light_sphere_sample(l: Light, s: Surface, u: vec2<f32>) -> LightSample {
     }
     let radius = l.b.x;
     var n: vec3<f32>;
+    var from_point = s.position;
     if v.is_inside {
         n = warp_sphere(u);
+        // Where scattered rays begin: the flat ones are met much farther on than they would
+        // be from the surface itself, and their weights would not add up.
+        from_point = ray_spawn(s.position, s.ng, s.offset, s.ng);
     } else {
         n = light_sphere_cone(v, radius, u);
     }
     let point = l.a + radius * n;
-    let toward = point - s.position;
+    let toward = point - from_point;
     let pdf = light_sphere_density(l, v, toward, n);
     if pdf <= 0.0 {
         return light_none();
@@ -80,10 +84,10 @@ fn light_sphere_cone(v: SphereView, radius: f32, u: vec2<f32>) -> vec3<f32> {
     return surface_unit(f * vec3<f32>(sin_center * cos(phi), sin_center * sin(phi), -cos_center));
 }
 
-fn light_sphere_pdf(l: Light, s: Surface, from_point: vec3<f32>) -> f32 {
+fn light_sphere_pdf(l: Light, s: Surface, from_point: vec3<f32>, ray_origin: vec3<f32>) -> f32 {
     let v = light_sphere_view(l, from_point);
     if v.is_inside && l.is_double_sided == 0u {
         return 0.0;
     }
-    return light_sphere_density(l, v, s.position - from_point, s.ng);
+    return light_sphere_density(l, v, s.position - select(from_point, ray_origin, v.is_inside), s.ng);
 }

@@ -53,7 +53,7 @@ fn path_environment(p: Path) -> vec3<f32> {
 
 #if LIGHT_SURFACES
 fn path_emission(p: Path, m: Material, s: Surface) -> vec3<f32> {
-    let w = strategy_emission_weight(p.scatter_pdf, light_surface_pdf(s, p.scatter_point));
+    let w = strategy_emission_weight(p.scatter_pdf, light_surface_pdf(s, p.scatter_point, p.ray.origin));
     return p.throughput * material_emitted(m, s) * w;
 }
 #endif
@@ -69,8 +69,8 @@ fn path_scatter(path: Path, s: Surface, b: Bsdf, frame_s: mat3x3<f32>, u: vec2<f
     p.throughput *= scattered.weight;
     p.eta_scale *= scattered.eta_scale;
     p.scatter_pdf = scattered.pdf;
+    p.scatter_point = s.position;
     p.ray = ray_new(ray_spawn(s.position, s.ng, s.offset, wi), wi);
-    p.scatter_point = p.ray.origin;
 #if ROULETTE
     if bounce + 1u >= ROULETTE_START {
         let q = clamp(max_component(p.throughput) / p.eta_scale, ROULETTE_LEAST, ROULETTE_MOST);

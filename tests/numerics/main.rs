@@ -3,6 +3,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../gltf_fixture/mod.rs"]
+mod gltf_fixture;
 
 mod a_arithmetic;
 mod b_triangles;

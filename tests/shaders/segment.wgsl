@@ -35,7 +35,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
         return;
     }
     let s = surface_at(ray, hit);
-    let l = light_sample(direct_receiver(s), vec2<f32>(i.u, i.v), i.u);
+    let l = light_sample(s, vec2<f32>(i.u, i.v), i.u);
     let cosine = dot(l.wi, s.ng);
     if max_component(l.weight) <= 0.0 || cosine <= 0.0 {
         return;

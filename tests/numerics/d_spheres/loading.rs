@@ -1,14 +1,11 @@
 //! D7: spheres that cannot be, and spheres too small for their place.
 
 use crate::common::{Random, Stage, assert_at_most, lambert, report};
+use crate::gltf_fixture::{Fixture, has_notice};
 use crate::probe::{Found, Probe, probe_primitives};
 use glam::Vec3;
-use gltf_fixture::{Fixture, has_notice};
 use serde_json::{Value, json};
 use steradian::scene::Treatment;
-
-#[path = "../../gltf_fixture/mod.rs"]
-mod gltf_fixture;
 
 fn sphere(radius: Value, x: f64) -> Fixture {
     let mut fixture = Fixture::triangle();
