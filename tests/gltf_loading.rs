@@ -287,8 +287,8 @@ fn a_sphere_replaces_its_triangles() {
 
 #[test]
 fn a_sphere_too_small_for_its_place_is_noted() {
-    // Between 8192 and 16384 an ulp is 2^-10; the bound is 32 of them, 1/32.
-    for (radius, is_noted) in [(0.031, true), (0.032, false)] {
+    // Between 8192 and 16384 an ulp is 2^-10; the bound is 2048 of them.
+    for (radius, is_noted) in [(1.99, true), (2.0, false)] {
         let mut fixture = Fixture::triangle();
         let extras = json!({"steradian": {"sphere": {"radius": radius}}});
         fixture.json["meshes"][0]["extras"] = extras;

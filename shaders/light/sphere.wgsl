@@ -38,7 +38,8 @@ fn light_sphere_cone_pdf(l: Light, v: SphereView) -> f32 {
 fn light_sphere_area_pdf(l: Light, toward: vec3<f32>, n: vec3<f32>) -> f32 {
     let d2 = dot(toward, toward);
     let projected = abs(dot(n, toward)) / sqrt(d2) * (4.0 * PI * l.b.x * l.b.x);
-    return select(l.pmf * d2 / projected, 0.0, projected <= 0.0);
+    // At no distance the quotient above is none.
+    return select(l.pmf * d2 / projected, 0.0, d2 <= 0.0 || projected <= 0.0);
 }
 
 fn light_sphere_sample(l: Light, s: Surface, u: vec2<f32>) -> LightSample {

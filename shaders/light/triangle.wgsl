@@ -17,7 +17,8 @@ fn light_triangle_density(l: Light, n2: vec3<f32>, toward: vec3<f32>) -> f32 {
     let d2 = dot(toward, toward);
     // |n2| cos = 2 A cos.
     let projected = 0.5 * abs(dot(n2, toward)) / sqrt(d2);
-    return select(l.pmf * d2 / projected, 0.0, projected <= 0.0);
+    // At no distance the quotient above is none.
+    return select(l.pmf * d2 / projected, 0.0, d2 <= 0.0 || projected <= 0.0);
 }
 
 fn light_triangle_sample(l: Light, s: Surface, u: vec2<f32>) -> LightSample {

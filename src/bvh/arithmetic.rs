@@ -10,6 +10,15 @@ pub(super) fn mul_add<const FUSED: bool>(a: f32, b: f32, c: f32) -> f32 {
     if FUSED { a.mul_add(b, c) } else { a * b + c }
 }
 
+/// `s * a + b`.
+pub(super) fn scale_add<const FUSED: bool>(s: f32, a: Vec3, b: Vec3) -> Vec3 {
+    Vec3::new(
+        mul_add::<FUSED>(s, a.x, b.x),
+        mul_add::<FUSED>(s, a.y, b.y),
+        mul_add::<FUSED>(s, a.z, b.z),
+    )
+}
+
 pub(super) fn dot<const FUSED: bool>(a: Vec3, b: Vec3) -> f32 {
     mul_add::<FUSED>(a.z, b.z, mul_add::<FUSED>(a.y, b.y, a.x * b.x))
 }

@@ -7,8 +7,9 @@
 //! [`BvhNode`] says how a node is laid out, [`GridRay`] how a ray meets its boxes, and
 //! [`closest_hit`] and [`any_hit`] are the traversal as the shaders do it.
 //! [`triangle_hit`], [`sphere_hit`] and [`sphere_hit_anchored`] are the shaders'
-//! intersection functions in the same arithmetic. Names in `_as` take the arithmetic as a
-//! parameter: plain, or with every multiplication and addition fused, as devices may.
+//! intersection functions in the same arithmetic, and [`SpawnPoint`] is how rays leave
+//! what they met. Names in `_as` take the arithmetic as a parameter: plain, or with every
+//! multiplication and addition fused, as devices may.
 //!
 //! [`Bvh::validate`] proves a tree and measures it.
 
@@ -22,6 +23,7 @@ mod node;
 mod quantise;
 #[cfg(test)]
 mod random;
+mod spawn;
 mod sphere;
 mod traverse;
 mod triangle;
@@ -35,7 +37,8 @@ pub use node::{
     BvhChild, BvhNode, GRID_MAX, LEAF_BIT, LEAF_COUNT_MASK, LEAF_COUNT_SHIFT, LEAF_FIRST_MASK,
     LEAF_KIND_MASK, LEAF_KIND_SHIFT, Link, MAX_ITEMS, UPPER_PLANE_SHIFT,
 };
-pub use sphere::{sphere_hit, sphere_hit_anchored};
+pub use spawn::{SpawnPoint, spawn_offset};
+pub use sphere::{AnchoredSphere, sphere_hit, sphere_hit_anchored};
 pub use traverse::{ItemHit, Ray, any_hit, any_hit_as, closest_hit, closest_hit_as};
 pub use triangle::{TriangleHit, triangle_hit, triangle_hit_as};
 pub use validate::BvhStatistics;

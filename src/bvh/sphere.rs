@@ -1,47 +1,65 @@
 //! Ray against sphere. The WGSL functions of the same names are these line by line.
 
+use super::arithmetic::{dot, mul_add, scale_add};
 use glam::Vec3;
 
+/// A sphere that is given by a point on it: for spheres much larger than the rest of the
+/// scene. With the anchor near that, hits are as exact as on small ones.
+///
+/// With `w` relative to the point, the surface is `k |w|^2 + 2 n . w = 0`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AnchoredSphere {
+    /// A point of the surface.
+    pub point: Vec3,
+    /// The outward unit normal there.
+    pub normal: Vec3,
+    /// `k = 1 / radius`; 0 is a plane.
+    pub curvature: f32,
+}
+
 /// Meets the sphere with the ray `o + t d`: the least t with `0 < t < t_max`, from outside
-/// or inside. `d` need not be a unit vector.
+/// or inside. `d` need not be a unit vector. `FUSED`: as a compiler would evaluate it that
+/// turns every `a * b + c` into one operation.
 ///
 /// Haines, Günther and Akenine-Möller ("Precision improvements for ray/sphere
 /// intersection", Ray Tracing Gems, 2019): the discriminant comes from the distance
 /// between the line and the centre, not from the difference of two large squares, and
 /// the roots from the stable pair `c / q` and `q / a`.
-pub fn sphere_hit(o: Vec3, d: Vec3, center: Vec3, radius: f32, t_max: f32) -> Option<f32> {
+pub fn sphere_hit<const FUSED: bool>(
+    o: Vec3,
+    d: Vec3,
+    center: Vec3,
+    radius: f32,
+    t_max: f32,
+) -> Option<f32> {
     let f = o - center;
-    let a = d.dot(d);
-    let b = -f.dot(d);
-    let from_center = f + (b / a) * d;
-    let discriminant = radius * radius - from_center.dot(from_center);
+    let a = dot::<FUSED>(d, d);
+    let b = -dot::<FUSED>(f, d);
+    let from_center = scale_add::<FUSED>(b / a, d, f);
+    let distance_squared = dot::<FUSED>(from_center, from_center);
+    let discriminant = mul_add::<FUSED>(radius, radius, -distance_squared);
     if discriminant < 0.0 {
         return None;
     }
     let root = (a * discriminant).sqrt();
     let q = if b >= 0.0 { b + root } else { b - root };
-    let c = f.dot(f) - radius * radius;
+    let c = mul_add::<FUSED>(-radius, radius, dot::<FUSED>(f, f));
     first_root(a, q, c, t_max)
 }
 
-/// Meets a sphere that is given by a point on it, the outward unit normal there and
-/// the curvature `k = 1 / radius`; 0 is a plane. For spheres much larger than the rest
-/// of the scene: with the anchor near that, the hit is as exact as on small ones.
-///
-/// With `w` relative to the anchor the surface is `k |w|^2 + 2 n . w = 0`.
-pub fn sphere_hit_anchored(
+/// [`sphere_hit`] for a sphere in the anchored form.
+pub fn sphere_hit_anchored<const FUSED: bool>(
     o: Vec3,
     d: Vec3,
-    anchor: Vec3,
-    normal: Vec3,
-    k: f32,
+    sphere: AnchoredSphere,
     t_max: f32,
 ) -> Option<f32> {
-    let w = o - anchor;
-    let a = k * d.dot(d);
-    let b = -(k * w.dot(d) + normal.dot(d));
-    let c = k * w.dot(w) + 2.0 * normal.dot(w);
-    let discriminant = b * b - a * c;
+    let AnchoredSphere { point, normal, curvature: k } = sphere;
+    let w = o - point;
+    let a = k * dot::<FUSED>(d, d);
+    let b = -mul_add::<FUSED>(k, dot::<FUSED>(w, d), dot::<FUSED>(normal, d));
+    let c = mul_add::<FUSED>(k, dot::<FUSED>(w, w), 2.0 * dot::<FUSED>(normal, w));
+    let discriminant = mul_add::<FUSED>(b, b, -(a * c));
     if discriminant < 0.0 {
         return None;
     }

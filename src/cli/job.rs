@@ -66,6 +66,8 @@ impl Job {
         settings.validate(&scene)?;
         check_size(&settings)?;
         let is_reference = flags.sampling.reference;
+        let camera = &scene.cameras[settings.camera];
+        scene.notices.extend(camera.precision_notice(settings.resolution));
         Ok(Self { scene, settings, requested_spp, is_reference, load_seconds })
     }
 }

@@ -26,6 +26,14 @@ pub struct Mesh {
     pub material: u32,
 }
 
+impl Mesh {
+    /// Bounds (min, max) of the vertices in object space; `None` without any.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let points = self.positions.iter().map(|&p| (p, p));
+        points.reduce(|(low, high), (p, _)| (low.min(p), high.max(p)))
+    }
+}
+
 /// A placed mesh.
 #[derive(Debug, Clone)]
 pub struct Instance {

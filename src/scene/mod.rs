@@ -11,6 +11,7 @@ pub mod gltf;
 mod light;
 mod material;
 mod mesh;
+mod precision;
 mod texture;
 mod usage;
 

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 const LEAST_SHARED_TRIANGLES: usize = 4096;
 
 /// A sphere this many times larger than the rest of the scene is traced in the anchored form.
-const VAST: f32 = 100.0;
+const VAST: f32 = 50.0;
 
 /// Where the anchored form of a sphere is exact.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,7 +4,6 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-mod geometry;
 mod numbers;
 mod stack;
 

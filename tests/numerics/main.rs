@@ -3,6 +3,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../gltf_fixture/mod.rs"]
+mod gltf_fixture;
 
 mod a_arithmetic;
 mod b_triangles;
@@ -19,3 +21,4 @@ mod k_camera;
 mod l_determinism;
 mod planted_defects;
 mod traced;
+mod probe;

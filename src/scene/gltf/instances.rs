@@ -14,9 +14,6 @@ use std::collections::BTreeMap;
 const MAX_COORDINATE: f32 = 1e15;
 /// Largest relative difference of scales that is taken for rounding.
 const UNIFORM_SCALE_TOLERANCE: f64 = 1e-5;
-/// A sphere with a radius of fewer ulps of its centre's distance loses visible
-/// parts of its surface to rounding.
-const MIN_RADIUS_ULPS: f32 = 32.0;
 
 /// Everything placed in the world.
 #[derive(Default)]
@@ -36,7 +33,7 @@ pub(super) fn place(
     meshes: &[Mesh],
     notices: &mut Notices,
 ) -> Result<Placed> {
-    let mesh_bounds: Vec<_> = meshes.iter().map(object_bounds).collect();
+    let mesh_bounds: Vec<_> = meshes.iter().map(|mesh| mesh.bounds().unwrap_or_default()).collect();
     let mut placed = Placed::default();
     for placement in placements {
         let node = document.get(placement.node, "the scene")?;
@@ -60,12 +57,6 @@ pub(super) fn place(
                 document.budget.take_instances(1).map_err(error)?;
                 let (center, radius) =
                     world_sphere(&placement.world_from_node, radius).map_err(error)?;
-                let distance = center.length();
-                if radius < MIN_RADIUS_ULPS * (distance.next_up() - distance) {
-                    let message =
-                        "sphere too small for its distance from the origin: its surface is coarse";
-                    notices.approximated(message, &label);
-                }
                 let corners = (center - radius, center + radius);
                 placed.grow(&Affine3A::IDENTITY, corners).map_err(error)?;
                 let name = document.name(placement.node);
@@ -97,12 +88,6 @@ impl Placed {
         }
         Ok(())
     }
-}
-
-/// The box of all vertices; a mesh has some.
-fn object_bounds(mesh: &Mesh) -> (Vec3, Vec3) {
-    let empty = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    mesh.positions.iter().fold(empty, |(lo, hi), &p| (lo.min(p), hi.max(p)))
 }
 
 /// The transform in single precision, if it and its inverse are finite there.

@@ -80,7 +80,7 @@ pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Scene> {
     })?;
     check_extent(bounds).map_err(|message| document.error(message))?;
 
-    let scene = Scene {
+    let mut scene = Scene {
         name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         meshes,
         instances: placed.instances,
@@ -92,6 +92,7 @@ pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Scene> {
         cameras: cameras::read(document, placements, bounds, &mut notices)?,
         notices: notices.into_lines(),
     };
+    scene.notices.extend(scene.precision_notices());
     if options.strict {
         refuse_differences(path, &scene.notices)?;
     }

@@ -1,1 +1,0 @@
-//! Rays and spheres.

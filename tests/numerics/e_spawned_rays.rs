@@ -1,1 +1,0 @@
-//! Rays that leave surfaces.
