@@ -25,6 +25,7 @@ pub mod renderer;
 pub mod scene;
 pub mod settings;
 pub mod shader;
+pub mod statistics;
 
 pub use error::{Error, Result};
 pub use renderer::Renderer;

@@ -1,6 +1,7 @@
 //! Pictures in memory and in files: OpenEXR keeps the linear radiance and any
 //! number of further channels, PNG holds what a display shows.
 
+pub mod compare;
 mod exr;
 mod png;
 mod srgb;
