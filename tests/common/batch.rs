@@ -13,7 +13,10 @@ const WORKGROUP: usize = 64;
 /// A kernel of `tests/shaders/` with one thread for each input; its name and text.
 macro_rules! harness {
     ($name:literal) => {
-        ($name, include_str!(concat!("../shaders/", $name, ".wgsl")))
+        (
+            $name,
+            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/shaders/", $name, ".wgsl")),
+        )
     };
 }
 pub(crate) use harness;

@@ -6,8 +6,6 @@ mod common;
 
 mod bsdf;
 mod geometry;
-mod numbers;
-mod stack;
 
 use bytemuck::Pod;
 use common::{Call, Random, harness};

@@ -1,1 +1,3 @@
 //! The integrator.
+
+mod stack;
