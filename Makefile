@@ -12,7 +12,7 @@ BENCH_SCENE ?= scenes/cornell-spheres/cornell-spheres.gltf
 SCENES = $(sort $(wildcard scenes/*/*.gltf scenes/*/*.glb))
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test gallery scenes bench lint fmt-check clean
+.PHONY: help setup demo test numerics gallery scenes bench lint fmt-check clean
 
 help: ## List the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
@@ -27,6 +27,15 @@ demo: setup ## Render a bundled scene to out/demo.png
 
 test: setup ## Run all tests
 	$(CARGO) test
+
+numerics: setup ## Run all hard cases, long ones too, and write docs/numerics.md
+	@mkdir -p $(OUT)
+	@rm -f $(OUT)/figures.jsonl
+	@status=0; STERADIAN_FIGURES=$(abspath $(OUT))/figures.jsonl \
+		$(CARGO) test --release --no-fail-fast --test numerics --test known_radiance \
+		-- --include-ignored --test-threads 1 || status=$$?; \
+	$(CARGO) run --release --example write_numerics -- \
+		$(OUT)/figures.jsonl docs/numerics.md && exit $$status
 
 gallery: setup ## Render every bundled scene into out/gallery/
 	@mkdir -p $(OUT)/gallery

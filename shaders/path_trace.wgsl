@@ -26,6 +26,7 @@ var<private> path_shadow_ray_count: u32 = 0u;
 // Radiance along one camera path.
 fn path_radiance(sampler_p: Sampler, camera: Ray, is_active: bool) -> vec3<f32> {
     var p = Path(camera, is_active, vec3<f32>(1.0), vec3<f32>(0.0), PDF_DELTA, camera.origin, 1.0);
+    var material = INVALID;
     for (var bounce = 0u; bounce < PATH_LENGTH_LIMIT; bounce++) {
         p.ray.alpha_seed = sampler_alpha_seed(sampler_p, bounce);
         let hit = trace_closest(p.ray, p.is_alive);
@@ -42,7 +43,8 @@ fn path_radiance(sampler_p: Sampler, camera: Ray, is_active: bool) -> vec3<f32> 
         var frame_s: mat3x3<f32>;
         if has_hit {
             s = surface_at(p.ray, hit);
-            let m = materials[s.material];
+            material = s.material;
+            let m = materials[material];
 #if TEXTURES
             s.ns = normal_map_ns(m, s);
 #endif
@@ -54,6 +56,7 @@ fn path_radiance(sampler_p: Sampler, camera: Ray, is_active: bool) -> vec3<f32> 
             b = material_bsdf(m, s);
             frame_s = frame_from_normal(s.ns);
         }
+        fault_watch(p.radiance, bounce, material);
         p.is_alive = p.is_alive && bounce < frame.max_bounces;
         if !trace_any_lane(p.is_alive) {
             return p.radiance;
@@ -71,6 +74,7 @@ fn path_radiance(sampler_p: Sampler, camera: Ray, is_active: bool) -> vec3<f32> 
                 let is_blocked = trace_any(d.ray, has_ray);
                 p.radiance += p.throughput * select(d.radiance, vec3<f32>(0.0), is_blocked);
             }
+            fault_watch(p.radiance, bounce, material);
         }
 #endif
         if p.is_alive {

@@ -4,10 +4,10 @@ mod schedule;
 
 use crate::film::{BlockSum, Film};
 use crate::gpu::{Device, GpuFilmPixel, GpuScene, SceneBuffers, TreeWidth};
-use crate::passes::{PathTrace, Tuning};
+use crate::passes::{FloatEnvironment, PathTrace, Tuning};
 use crate::scene::Scene;
 use crate::settings::{Accel, RenderSettings};
-use crate::shader::generated::{Fault, TILE_PIXELS};
+use crate::shader::generated::{Fault, INVALID, TILE_PIXELS};
 use crate::shader::{Feature, Features};
 use crate::{Error, Result};
 use schedule::Schedule;
@@ -35,6 +35,8 @@ pub struct Renderer {
 pub struct RenderStatistics {
     /// What was compiled.
     pub features: Features,
+    /// How the device computes.
+    pub float_environment: Option<FloatEnvironment>,
     /// Building trees and tables.
     pub bvh_seconds: f64,
     /// Compiling the kernel, the driver's part included.
@@ -76,6 +78,10 @@ pub struct FaultLocation {
     pub pixel: (u32, u32),
     /// Sample index.
     pub sample: u32,
+    /// Scattering events before it; `None` where the fault came up outside of a path.
+    pub bounce: Option<u32>,
+    /// Index into [`Scene::materials`] of the surface last met; `None` before the first.
+    pub material: Option<u32>,
 }
 
 impl Renderer {
@@ -121,6 +127,7 @@ impl Renderer {
         let world = buffers.world.statistics();
         let statistics = RenderStatistics {
             features,
+            float_environment: Some(FloatEnvironment::of(&device)?),
             bvh_seconds,
             compile_seconds,
             triangle_count: world.triangle_count,
@@ -234,8 +241,15 @@ impl Renderer {
         s.first_fault.get_or_insert(FaultLocation {
             pixel: (window.x + x, window.y + y),
             sample: pixel.fault_sample,
+            bounce: valid(pixel.fault_bounce),
+            material: valid(pixel.fault_material),
         });
     }
+}
+
+/// What a shader's index says.
+fn valid(index: u32) -> Option<u32> {
+    (index != INVALID).then_some(index)
 }
 
 impl RenderSettings {

@@ -342,3 +342,18 @@ fn a_file_named_without_a_folder_is_found() {
     let message = load(Path::new("Cargo.toml")).unwrap_err().to_string();
     assert_contains(&message, "Cargo.toml: not glTF 2.0");
 }
+
+/// What f32 arithmetic cannot trace is refused with the limit, and what it can is not.
+#[test]
+fn a_scene_too_large_or_too_small() {
+    let scaled = |factor: f32| {
+        let mut fixture = Fixture::triangle();
+        fixture.json["nodes"][0]["scale"] = json!([factor, factor, factor]);
+        fixture
+    };
+    assert_contains(&scaled(1e12).refusal(), "m from the origin; the limit is");
+    assert_contains(&scaled(2e-13).refusal(), "m large; the least is");
+    for factor in [1e-11, 1.0, 1e11] {
+        assert!(scaled(factor).load().is_ok(), "{factor}");
+    }
+}

@@ -40,5 +40,5 @@ fn ggx_sample(alpha: f32, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
     let z = sqrt(max(0.0, 1.0 - disk.x * disk.x - y * y));
     let n = disk.x * t1 + y * t2 + z * v;
     let h = normalize(vec3<f32>(alpha * n.x, alpha * n.y, max(n.z, 1e-9)));
-    return 2.0 * dot(wo, h) * h - wo;
+    return normalize(2.0 * dot(wo, h) * h - wo);
 }

@@ -10,8 +10,13 @@ struct FilmPixel {
     shadow_ray_count: u32,
     // Four 8-bit counts of samples with a fault, by cause.
     fault_counts: u32,
-    // First sample index with a fault, or INVALID.
+    // Of the first sample with a fault: its index, the bounce, the material last met; INVALID
+    // where there is none.
     fault_sample: u32,
+    fault_bounce: u32,
+    fault_material: u32,
+    padding_0: u32,
+    padding_1: u32,
 }
 
 @group(0) @binding(1) var<storage, read_write> film: array<FilmPixel>;
@@ -19,21 +24,21 @@ struct FilmPixel {
 // Adds one sample. A sample that is not finite, or negative, counts as black and as a fault.
 fn film_add(pixel: FilmPixel, radiance: vec3<f32>, sample_index: u32) -> FilmPixel {
     var p = pixel;
-    var value = radiance;
-    if !is_finite(value) {
-        fault_raise(FAULT_NON_FINITE);
-        value = vec3<f32>(0.0);
-    } else if any(value < vec3<f32>(0.0)) {
-        fault_raise(FAULT_NEGATIVE);
-        value = vec3<f32>(0.0);
-    }
-    p.sum += value;
+    fault_check(radiance);
+    let unusable = (1u << FAULT_NON_FINITE) | (1u << FAULT_NEGATIVE);
+    p.sum += select(vec3<f32>(0.0), radiance, (fault_bits & unusable) == 0u);
     p.sample_count += 1u;
     if fault_bits != 0u {
         let b = fault_bits;
         p.fault_counts += (b & 1u) | ((b & 2u) << 7u) | ((b & 4u) << 14u) | ((b & 8u) << 21u);
-        p.fault_sample = min(p.fault_sample, sample_index);
+        if p.fault_sample == INVALID {
+            p.fault_sample = sample_index;
+            p.fault_bounce = fault_bounce;
+            p.fault_material = fault_material;
+        }
         fault_bits = 0u;
+        fault_bounce = INVALID;
+        fault_material = INVALID;
     }
     return p;
 }

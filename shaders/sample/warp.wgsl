@@ -1,6 +1,12 @@
 // Uniform square to other shapes.
 #import math/math
 
+// Unit vector at an angle. Its length is one however coarse the device's sine and cosine are:
+// a point of a light must lie on the light.
+fn warp_circle(phi: f32) -> vec2<f32> {
+    return normalize(vec2<f32>(cos(phi), sin(phi)));
+}
+
 // Unit disk, area-preserving and continuous (Shirley and Chiu 1997).
 fn warp_disk(u: vec2<f32>) -> vec2<f32> {
     let p = 2.0 * u - 1.0;
@@ -11,7 +17,7 @@ fn warp_disk(u: vec2<f32>) -> vec2<f32> {
     }
     let q = select(p.x / p.y, p.y / p.x, by_x) * (0.25 * PI);
     let phi = select(0.5 * PI - q, q, by_x);
-    return r * vec2<f32>(cos(phi), sin(phi));
+    return r * warp_circle(phi);
 }
 
 // Hemisphere about +z with pdf cos / π.
@@ -38,5 +44,5 @@ fn warp_sphere(u: vec2<f32>) -> vec3<f32> {
     let z = 1.0 - 2.0 * u.x;
     let r = 2.0 * sqrt(max(0.0, u.x * (1.0 - u.x)));
     let phi = 2.0 * PI * u.y;
-    return vec3<f32>(r * cos(phi), r * sin(phi), z);
+    return vec3<f32>(r * warp_circle(phi), z);
 }

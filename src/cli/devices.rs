@@ -4,6 +4,7 @@ use super::talk;
 use std::process::ExitCode;
 use steradian::Result;
 use steradian::gpu::{Device, DeviceInfo, DeviceKind};
+use steradian::passes::FloatEnvironment;
 
 /// Prints one line for each device.
 pub(super) fn run() -> Result<ExitCode> {
@@ -12,9 +13,19 @@ pub(super) fn run() -> Result<ExitCode> {
         // The error of opening one says what to install.
         Device::open(None)?;
     }
-    let lines: String = devices.iter().map(|device| line(device) + "\n").collect();
+    let lines: String =
+        devices.iter().map(|d| format!("{}, {}\n", line(d), arithmetic(d))).collect();
     talk::data(&lines)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// How the device computes, or why that is not known.
+fn arithmetic(device: &DeviceInfo) -> String {
+    let opened = Device::open(Some(&device.index.to_string()));
+    match opened.and_then(|device| FloatEnvironment::of(&device)) {
+        Ok(environment) => format!("float environment {environment}"),
+        Err(error) => format!("cannot compute: {error}"),
+    }
 }
 
 fn line(device: &DeviceInfo) -> String {

@@ -67,7 +67,13 @@ fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
         ("camera", text(&outcome.job.scene.cameras[settings.camera].name)),
         ("partial", text(if outcome.is_partial() { "true" } else { "false" })),
     ];
-    entries.into_iter().map(|(name, value)| (format!("steradian.{name}"), value)).collect()
+    let mut all: Vec<_> = entries.into();
+    // Only a picture that has some is marked.
+    let faults: u64 = outcome.statistics.faults.iter().sum();
+    if faults > 0 {
+        all.push(("faults", text(&faults.to_string())));
+    }
+    all.into_iter().map(|(name, value)| (format!("steradian.{name}"), value)).collect()
 }
 
 fn as_text(value: Attribute) -> String {

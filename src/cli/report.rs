@@ -6,8 +6,8 @@ use super::talk::{self, Verbosity, with_prefix};
 use std::time::Duration;
 use steradian::film::{ErrorEstimate, Film};
 use steradian::gpu::DeviceInfo;
-use steradian::renderer::RenderStatistics;
-use steradian::scene::Treatment;
+use steradian::renderer::{FaultLocation, RenderStatistics};
+use steradian::scene::{Scene, Treatment};
 use steradian::shader::generated::Fault;
 
 /// All that is known when a render has ended.
@@ -46,6 +46,9 @@ pub(super) fn renderer(verbosity: Verbosity, s: &RenderStatistics) {
         s.sah_cost,
         talk::duration(s.bvh_seconds),
     ));
+    if let Some(environment) = s.float_environment {
+        verbosity.detail(&format!("float environment {environment}"));
+    }
     verbosity.detail(&format!("{} of scene on the device", talk::size(s.device_bytes)));
     verbosity.detail(&format!(
         "{} lines of WGSL, compiled in {}: {}",
@@ -72,7 +75,8 @@ pub(super) fn outcome(
             Treatment::Ignored => verbosity.say(&format!("ignored: {}", notice.message)),
         }
     }
-    let warnings = [empty_warning(outcome.film), fault_warning(outcome.statistics)];
+    let scene = &outcome.job.scene;
+    let warnings = [empty_warning(outcome.film), fault_warning(outcome.statistics, scene)];
     for warning in warnings.iter().flatten() {
         talk::line(warning);
     }
@@ -128,25 +132,31 @@ fn empty_warning(film: &Film) -> Option<String> {
 }
 
 /// One line about samples that cannot be right, if there are any.
-fn fault_warning(s: &RenderStatistics) -> Option<String> {
+fn fault_warning(s: &RenderStatistics, scene: &Scene) -> Option<String> {
     let causes = Fault::ALL.iter().filter(|f| s.faults[**f as usize] > 0);
     let causes: Vec<_> =
         causes.map(|f| format!("{} {}", s.faults[*f as usize], f.description())).collect();
     if causes.is_empty() {
         return None;
     }
-    let place = s.first_fault.as_ref().map_or(String::new(), |first| {
-        let (x, y) = first.pixel;
-        format!("; the first at pixel {x},{y}, sample {}", first.sample)
-    });
+    let place = s.first_fault.as_ref().map_or(String::new(), |first| fault_place(first, scene));
     Some(format!("warning: faulty samples: {}{place}", causes.join(", ")))
+}
+
+fn fault_place(fault: &FaultLocation, scene: &Scene) -> String {
+    let (x, y) = fault.pixel;
+    let bounce = fault.bounce.map_or(String::new(), |b| format!(", bounce {b}"));
+    let material = fault.material.map_or(String::new(), |m| {
+        format!(", material {m} {:?}", scene.materials[m as usize].name)
+    });
+    format!("; the first at pixel {x},{y}, sample {}{bounce}{material}", fault.sample)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use steradian::film::BlockSum;
-    use steradian::renderer::FaultLocation;
+    use steradian::scene::Material;
     use steradian::settings::Crop;
 
     #[test]
@@ -172,16 +182,22 @@ mod tests {
 
     #[test]
     fn faults_are_counted_and_located() {
+        let material = Material { name: "brass".into(), ..Material::default() };
+        let scene = Scene { materials: vec![material], ..Scene::default() };
         let mut statistics = RenderStatistics::default();
-        assert_eq!(fault_warning(&statistics), None);
+        assert_eq!(fault_warning(&statistics, &scene), None);
         statistics.faults[Fault::Stack as usize] = 3;
         statistics.faults[Fault::NonFinite as usize] = 12;
-        statistics.first_fault = Some(FaultLocation { pixel: (4, 5), sample: 6 });
-        let warning = fault_warning(&statistics).unwrap();
+        let mut first =
+            FaultLocation { pixel: (4, 5), sample: 6, bounce: Some(2), material: Some(0) };
+        statistics.first_fault = Some(first);
         assert_eq!(
-            warning,
+            fault_warning(&statistics, &scene).unwrap(),
             "warning: faulty samples: 12 not finite, 3 traversal stack overflow; \
-             the first at pixel 4,5, sample 6"
+             the first at pixel 4,5, sample 6, bounce 2, material 0 \"brass\""
         );
+        first.material = None;
+        statistics.first_fault = Some(first);
+        assert!(fault_warning(&statistics, &scene).unwrap().ends_with("sample 6, bounce 2"));
     }
 }

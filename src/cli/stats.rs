@@ -7,6 +7,8 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 use steradian::image::write_atomically;
+use steradian::renderer::FaultLocation;
+use steradian::scene::Scene;
 use steradian::shader::Feature;
 use steradian::shader::generated::Fault;
 use steradian::{Error, Result};
@@ -21,6 +23,8 @@ struct Stats<'a> {
     scene: &'a str,
     device: &'a str,
     driver: &'a str,
+    /// How the device computes, in one line.
+    float_environment: Option<String>,
     /// Of the whole picture, pixels.
     width: u32,
     height: u32,
@@ -43,6 +47,7 @@ struct Stats<'a> {
     estimated_relmse: Option<f64>,
     mean_luminance: Option<f64>,
     faults: BTreeMap<&'a str, u64>,
+    first_fault: Option<FirstFault<'a>>,
     features: Vec<&'a str>,
     triangles: usize,
     spheres: usize,
@@ -54,6 +59,24 @@ struct Stats<'a> {
     wgsl_lines: usize,
     /// Stopped by a signal.
     partial: bool,
+}
+
+/// Where the first faulty sample is.
+#[derive(Serialize)]
+struct FirstFault<'a> {
+    /// Column and row in the whole picture.
+    pixel: (u32, u32),
+    sample: u32,
+    bounce: Option<u32>,
+    /// Name of the material last met.
+    material: Option<&'a str>,
+}
+
+impl<'a> FirstFault<'a> {
+    fn new(fault: &FaultLocation, scene: &'a Scene) -> Self {
+        let material = fault.material.map(|m| scene.materials[m as usize].name.as_str());
+        Self { pixel: fault.pixel, sample: fault.sample, bounce: fault.bounce, material }
+    }
 }
 
 /// Writes the statistics of a render.
@@ -75,6 +98,7 @@ fn stats<'a>(outcome: &Outcome<'a>) -> Stats<'a> {
         scene: &outcome.job.scene.name,
         device: &outcome.device.name,
         driver: &outcome.device.driver,
+        float_environment: counts.float_environment.map(|f| f.to_string()),
         width: settings.resolution.0,
         height: settings.resolution.1,
         window: [window.x, window.y, window.width, window.height],
@@ -93,6 +117,7 @@ fn stats<'a>(outcome: &Outcome<'a>) -> Stats<'a> {
         estimated_relmse: error.as_ref().map(|e| e.relmse),
         mean_luminance: error.as_ref().map(|e| e.mean_luminance),
         faults: Fault::ALL.iter().map(|f| (key(*f), counts.faults[*f as usize])).collect(),
+        first_fault: counts.first_fault.map(|f| FirstFault::new(&f, &outcome.job.scene)),
         features: Feature::ALL
             .iter()
             .filter(|f| counts.features.has(**f))

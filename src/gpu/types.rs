@@ -59,6 +59,10 @@ gpu_struct! {
         shadow_ray_count: u32,
         fault_counts: u32,
         fault_sample: u32,
+        fault_bounce: u32,
+        fault_material: u32,
+        padding_0: u32,
+        padding_1: u32,
     }
 }
 

@@ -111,7 +111,12 @@ impl PathTrace {
 
     /// Empties the film buffer.
     pub fn clear(&self, device: &Device) {
-        let empty = GpuFilmPixel { fault_sample: INVALID, ..GpuFilmPixel::zeroed() };
+        let empty = GpuFilmPixel {
+            fault_sample: INVALID,
+            fault_bounce: INVALID,
+            fault_material: INVALID,
+            ..GpuFilmPixel::zeroed()
+        };
         let pixels = self.film_buffer.size() as usize / size_of::<GpuFilmPixel>();
         device.queue.write_buffer(&self.film_buffer, 0, bytemuck::cast_slice(&vec![empty; pixels]));
     }

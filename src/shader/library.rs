@@ -28,6 +28,7 @@ pub fn library() -> Library {
         "film/fault",
         "film/film",
         "film/tile",
+        "float_environment",
         "frame/frame",
         "geometry/attributes",
         "geometry/leaf",

@@ -5,7 +5,7 @@ use bytemuck::Pod;
 use steradian::RenderSettings;
 use steradian::gpu::Batch;
 use steradian::scene::Scene;
-use steradian::shader::{Feature, Features, library};
+use steradian::shader::{Feature, Features, Library, library};
 
 /// Threads of a harness kernel's workgroup.
 const WORKGROUP: usize = 64;
@@ -22,8 +22,10 @@ macro_rules! harness {
 pub(crate) use harness;
 
 /// How a harness kernel is to be called.
+#[derive(Clone)]
 pub(crate) struct Call<'a> {
     harness: (&'static str, &'static str),
+    library: Library,
     features: Features,
     scene: Option<(&'a Scene, &'a RenderSettings)>,
 }
@@ -31,7 +33,7 @@ pub(crate) struct Call<'a> {
 impl<'a> Call<'a> {
     pub(crate) fn new(harness: (&'static str, &'static str), features: &[Feature]) -> Self {
         let features = features.iter().fold(Features::default(), |set, &f| set.with(f));
-        Self { harness, features, scene: None }
+        Self { harness, library: library(), features, scene: None }
     }
 
     /// With the buffers, uniforms and features of a scene.
@@ -40,12 +42,18 @@ impl<'a> Call<'a> {
         self
     }
 
+    /// With modules from another library.
+    pub(crate) fn with_library(mut self, library: Library) -> Self {
+        self.library = library;
+        self
+    }
+
     /// Runs the kernel once for each of `inputs`, which it knows as `inputs`; their number is
     /// a multiple of 64. Gives what it wrote to `outputs`, `per_input` values for each.
     pub(crate) fn run<I: Pod, O: Pod>(&self, inputs: &[I], per_input: usize) -> Vec<O> {
         assert!(inputs.len().is_multiple_of(WORKGROUP));
         let (entry, text) = self.harness;
-        let mut library = library();
+        let mut library = self.library.clone();
         library.insert(entry, text.into());
         let bytes = with_device(|device| {
             let batch = Batch {

@@ -1,7 +1,7 @@
 //! When an estimate agrees with a truth: `steradian::statistics::Criterion`, for films, with
 //! messages.
 
-use std::ops::Deref;
+use std::ops::{Deref, DerefMut};
 use steradian::film::Film;
 use steradian::statistics::{self, Criterion, Verdict};
 
@@ -18,6 +18,12 @@ impl Deref for Estimate {
 
     fn deref(&self) -> &Self::Target {
         &self.0
+    }
+}
+
+impl DerefMut for Estimate {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.0
     }
 }
 

@@ -16,3 +16,4 @@ mod i_random;
 mod j_accumulation;
 mod k_camera;
 mod l_determinism;
+mod planted_defects;

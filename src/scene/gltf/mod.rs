@@ -31,6 +31,7 @@ use crate::{Error, Result};
 use accessor::Accessors;
 use buffers::Buffers;
 use document::Document;
+use glam::Vec3;
 use limits::Budget;
 use notices::Notices;
 use std::path::Path;
@@ -77,6 +78,7 @@ pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let bounds = placed.bounds.ok_or_else(|| {
         document.error("nothing to render: its scene has no triangles and no spheres")
     })?;
+    check_extent(bounds).map_err(|message| document.error(message))?;
 
     let scene = Scene {
         name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
@@ -94,6 +96,29 @@ pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Scene> {
         refuse_differences(path, &scene.notices)?;
     }
     Ok(scene)
+}
+
+/// Farthest coordinate and least size of a scene, metres: beyond, squares and their quotients
+/// leave the range of f32.
+const EXTENTS: (f32, f32) = (1e12, 1e-12);
+
+/// Refuses what is too far or too small for the device's arithmetic.
+fn check_extent((low, high): (Vec3, Vec3)) -> std::result::Result<(), String> {
+    let (farthest, least) = EXTENTS;
+    let reach = low.abs().max(high.abs()).max_element();
+    let size = (high - low).max_element();
+    if reach > farthest {
+        return Err(format!(
+            "its scene reaches {reach:e} m from the origin; the limit is {farthest:e} m: scale it down"
+        ));
+    }
+    // A scene of one point has no size that could be lost.
+    if size > 0.0 && size < least {
+        return Err(format!(
+            "its scene is {size:e} m large; the least is {least:e} m: scale it up"
+        ));
+    }
+    Ok(())
 }
 
 /// An error that lists everything which is not rendered as the file says.

@@ -1,1 +1,0 @@
-//! Floating point arithmetic of the device.
