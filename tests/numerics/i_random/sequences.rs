@@ -4,7 +4,7 @@
 use super::warps::scrambled;
 use super::{SAMPLERS, draws, pixel};
 use crate::common::{Random, assert_at_least, assert_at_most, assert_naive_fails, report};
-use steradian::film::{BlockSum, Film};
+use steradian::film::{BlockMean, Film};
 use steradian::settings::{Crop, Sampler};
 
 const RUN: u32 = 1024;
@@ -133,8 +133,8 @@ fn film_error(values: &[Vec<f64>]) -> f64 {
     for block in 0..(SPP / BLOCK) as usize {
         let range = block * BLOCK as usize..(block + 1) * BLOCK as usize;
         for (x, of_pixel) in (0..).zip(values) {
-            let sum = of_pixel[range.clone()].iter().sum::<f64>() as f32;
-            film.add_block(x, 0, BlockSum { sum: [sum; 3], sample_count: BLOCK }, true);
+            let mean = mean(&of_pixel[range.clone()]);
+            film.add_block(x, 0, BlockMean { mean: [mean; 3], sample_count: BLOCK }, true);
         }
         film.end_round();
     }
