@@ -9,10 +9,14 @@
 #import light/light
 #import sample/pcg
 
+// Paths that a thread tries.
+const TRIALS: u32 = 16u;
+
 // Bounces before the vertex.
 @group(0) @binding(20) var<storage, read> inputs: array<u32>;
-// Weight of the light sample, weight of the emission met, their densities; -1: no light was
-// sampled, -2: it was hidden, -3: the ray just missed it.
+// Of the first path that meets the light which it samples: weight of the light sample, weight of
+// the emission met, their densities. Else of the last: -1 no light was sampled, -2 it was
+// hidden, -3 the ray just missed it.
 @group(0) @binding(21) var<storage, read_write> outputs: array<vec4<f32>>;
 
 fn random(thread: u32, number: u32) -> vec4<f32> {
@@ -59,29 +63,36 @@ fn weights(s: Surface, thread: u32) -> vec4<f32> {
     return vec4<f32>(light, strategy_emission_weight(scatter_pdf, met), l.pdf, met);
 }
 
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    stack_lane = local;
-    var ray = camera_ray(2.0 * random(id.x, 0u).xy - 1.0, vec2<f32>(0.5));
-    var result = vec4<f32>(-1.0);
-    for (var bounce = 0u; bounce <= inputs[id.x]; bounce++) {
+// A path of that many bounces, and what its last vertex gives.
+fn path_weights(bounces: u32, path: u32) -> vec4<f32> {
+    var ray = camera_ray(2.0 * random(path, 0u).xy - 1.0, vec2<f32>(0.5));
+    for (var bounce = 0u; bounce <= bounces; bounce++) {
         let hit = trace_closest(ray, true);
         if hit.primitive == INVALID {
             break;
         }
         let s = surface_at(ray, hit);
-        if bounce == inputs[id.x] {
-            result = weights(s, id.x);
-            break;
+        if bounce == bounces {
+            return weights(s, path);
         }
         let frame_s = frame_from_normal(s.ns);
         let b = material_bsdf(materials[s.material], s);
-        let scattered = bsdf_sample(b, s.wo * frame_s, random(id.x, 1u + bounce).xy);
+        let scattered = bsdf_sample(b, s.wo * frame_s, random(path, 1u + bounce).xy);
         let wi = frame_s * scattered.wi;
         if scattered.pdf == 0.0 || dot(wi, s.ng) <= 0.0 {
             break;
         }
         ray = ray_new(ray_spawn(s.position, s.ng, s.offset, wi), wi);
+    }
+    return vec4<f32>(-1.0);
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    stack_lane = local;
+    var result = vec4<f32>(-1.0);
+    for (var i = 0u; i < TRIALS && result.x < 0.0; i++) {
+        result = path_weights(inputs[id.x], id.x * TRIALS + i);
     }
     outputs[id.x] = result;
 }
