@@ -2,9 +2,11 @@
 // by rows, then columns, then uniformly in solid angle within the texel.
 // A texel's probability is the integral of the filtered map over it.
 #import light/light
+#import sample/warp
 
 // width * height texels of radiance (w unused); then cumulative probabilities as
-// f32, four to a vec4: of the rows (height + 1), then of each row's columns (width + 1 each).
+// f32, four to a vec4: of the rows (height + 1), then of each row's columns (width + 1 each);
+// then of each row the cosine of theta at its upper edge, and by how much it falls to the lower.
 @group(0) @binding(8) var<storage, read> environment: array<vec4<u32>>;
 
 fn environment_texel(x: i32, y: i32) -> vec3<f32> {
@@ -14,7 +16,7 @@ fn environment_texel(x: i32, y: i32) -> vec3<f32> {
     return bitcast<vec4<f32>>(environment[row * size.x + column]).xyz;
 }
 
-fn environment_cdf(index: u32) -> f32 {
+fn environment_table(index: u32) -> f32 {
     let base = frame.environment_size.x * frame.environment_size.y;
     return bitcast<f32>(environment[base + (index >> 2u)][index & 3u]);
 }
@@ -36,7 +38,8 @@ fn environment_position(direction: vec3<f32>) -> vec2<f32> {
 }
 
 fn environment_direction(cos_theta: f32, sin_theta: f32, phi: f32) -> vec3<f32> {
-    let e = vec3<f32>(sin_theta * cos(phi), cos_theta, sin_theta * sin(phi));
+    let around = sin_theta * warp_circle(phi);
+    let e = vec3<f32>(around.x, cos_theta, around.y);
     return e.x * frame.environment_x.xyz + e.y * frame.environment_y.xyz + e.z * frame.environment_z.xyz;
 }
 
@@ -55,16 +58,16 @@ fn environment_emitted(direction: vec3<f32>) -> vec3<f32> {
 fn environment_density(row: u32, column: u32) -> f32 {
     let size = vec2<f32>(frame.environment_size);
     let start = environment_row_start(row) + column;
-    let row_pmf = environment_cdf(row + 1u) - environment_cdf(row);
-    let pmf = row_pmf * (environment_cdf(start + 1u) - environment_cdf(start));
-    let solid_angle = (2.0 * PI / size.x) * environment_row_height(row);
+    let row_pmf = environment_table(row + 1u) - environment_table(row);
+    let pmf = row_pmf * (environment_table(start + 1u) - environment_table(start));
+    let solid_angle = (2.0 * PI / size.x) * environment_row_shape(row).y;
     return frame.environment_pmf * pmf / solid_angle;
 }
 
-// Difference of cos theta over a row, by a product of sines: no cancellation at the poles.
-fn environment_row_height(row: u32) -> f32 {
-    let step = PI / f32(frame.environment_size.y);
-    return 2.0 * sin((f32(row) + 0.5) * step) * sin(0.5 * step);
+// From a table: a texel's solid angle is less than the error of some devices' sines.
+fn environment_row_shape(row: u32) -> vec2<f32> {
+    let first = environment_row_start(frame.environment_size.y) + 2u * row;
+    return vec2<f32>(environment_table(first), environment_table(first + 1u));
 }
 
 fn environment_pdf(direction: vec3<f32>) -> f32 {
@@ -82,7 +85,7 @@ fn environment_search(start: u32, count: u32, u: f32) -> u32 {
     var high = count;
     while high - low > 1u {
         let middle = (low + high) / 2u;
-        if environment_cdf(start + middle) <= u {
+        if environment_table(start + middle) <= u {
             low = middle;
         } else {
             high = middle;
@@ -93,8 +96,8 @@ fn environment_search(start: u32, count: u32, u: f32) -> u32 {
 
 // Where u lies between the entry's cumulative probability and the next.
 fn environment_rest(index: u32, u: f32) -> f32 {
-    let low = environment_cdf(index);
-    return clamp((u - low) / (environment_cdf(index + 1u) - low), 0.0, 1.0);
+    let low = environment_table(index);
+    return clamp((u - low) / (environment_table(index + 1u) - low), 0.0, 1.0);
 }
 
 fn light_environment_sample(u: vec2<f32>) -> LightSample {
@@ -106,9 +109,8 @@ fn light_environment_sample(u: vec2<f32>) -> LightSample {
     if !(pdf > 0.0) {
         return light_none();
     }
-    let step = PI / f32(size.y);
-    let top = cos(f32(row) * step);
-    let cos_theta = top - environment_rest(row, u.y) * environment_row_height(row);
+    let shape = environment_row_shape(row);
+    let cos_theta = shape.x - environment_rest(row, u.y) * shape.y;
     let sin_theta = sqrt(max(0.0, (1.0 - cos_theta) * (1.0 + cos_theta)));
     let phi = (f32(column) + environment_rest(start + column, u.x)) * (2.0 * PI / f32(size.x)) - PI;
     let wi = normalize(environment_direction(cos_theta, sin_theta, phi));

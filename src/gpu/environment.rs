@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 /// `environment`, and what its power depends on.
 pub(super) struct EnvironmentMap {
-    /// Texels, then cumulative probabilities: `light/environment.wgsl` says in which order.
+    /// Texels, then tables: `light/environment.wgsl` says in which order.
     pub(super) words: Vec<[u32; 4]>,
     /// Integral of the luminance over all directions, W/m².
     pub(super) luminous_integral: f64,
@@ -24,6 +24,7 @@ pub(super) fn build(map: &Environment) -> EnvironmentMap {
     let value: Vec<f64> = texels.iter().map(|&t| luminance(t)).collect();
     let mean = filtered_means(&value, w, h);
 
+    // By a product of sines: no cancellation at the poles.
     let row_height = |row: usize| {
         let step = PI / h as f64;
         2.0 * ((row as f64 + 0.5) * step).sin() * (0.5 * step).sin()
@@ -36,6 +37,8 @@ pub(super) fn build(map: &Environment) -> EnvironmentMap {
     for y in 0..h {
         tables.extend(cumulative(&mean[y * w..(y + 1) * w]));
     }
+    let top = |row: usize| (row as f64 * PI / h as f64).cos();
+    tables.extend((0..h).flat_map(|y| [top(y), row_height(y)]).map(|x| x as f32));
     words.extend(
         tables
             .chunks(4)
