@@ -49,7 +49,7 @@ fn i1_no_stream_is_used_twice() {
 
     let seed = |i: u32| {
         let (x, y, s) = (i & 511, i >> 9 & 511, i >> 18);
-        1973 * x + 9277 * y + 26_699 * s | 1
+        (1973 * x + 9277 * y + 26_699 * s) | 1
     };
     let seeds: Vec<u32> = (0..512 * 512 * 16).map(seed).collect();
     let share = duplicates(&seeds) as f64 / seeds.len() as f64;
