@@ -2,7 +2,7 @@
 
 mod schedule;
 
-use crate::film::{BlockSum, Film};
+use crate::film::{BlockMean, Film};
 use crate::gpu::{Device, GpuFilmPixel, GpuScene, SceneBuffers, TreeWidth};
 use crate::passes::{FloatEnvironment, PathTrace, Tuning};
 use crate::scene::Scene;
@@ -225,7 +225,13 @@ impl Renderer {
     }
 
     fn fold_pixel(&mut self, x: u32, y: u32, pixel: &GpuFilmPixel, is_block: bool) {
-        let block = BlockSum { sum: pixel.sum.map(f64::from), sample_count: pixel.sample_count };
+        let block = BlockMean {
+            mean: std::array::from_fn(|c| {
+                let share = f64::from(pixel.difference[c]) / f64::from(pixel.sample_count.max(1));
+                f64::from(pixel.first[c]) + share
+            }),
+            sample_count: pixel.sample_count,
+        };
         self.film.add_block(x, y, block, is_block);
         let s = &mut self.statistics;
         s.samples += u64::from(pixel.sample_count);

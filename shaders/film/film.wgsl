@@ -3,9 +3,12 @@
 #import film/fault
 
 struct FilmPixel {
-    // Sum of the radiance of the block's samples, W/(sr m²).
-    sum: vec3<f32>,
+    // Radiance of the block's first sample, W/(sr m²). A sum of what the others differ by is
+    // exact where all are equal, and loses little where they nearly are.
+    first: vec3<f32>,
     sample_count: u32,
+    // Sum of the differences to it.
+    difference: vec3<f32>,
     closest_ray_count: u32,
     shadow_ray_count: u32,
     // Four 8-bit counts of samples with a fault, by cause.
@@ -17,6 +20,7 @@ struct FilmPixel {
     fault_material: u32,
     padding_0: u32,
     padding_1: u32,
+    padding_2: u32,
 }
 
 @group(0) @binding(1) var<storage, read_write> film: array<FilmPixel>;
@@ -26,7 +30,11 @@ fn film_add(pixel: FilmPixel, radiance: vec3<f32>, sample_index: u32) -> FilmPix
     var p = pixel;
     fault_check(radiance);
     let unusable = (1u << FAULT_NON_FINITE) | (1u << FAULT_NEGATIVE);
-    p.sum += select(vec3<f32>(0.0), radiance, (fault_bits & unusable) == 0u);
+    let value = select(vec3<f32>(0.0), radiance, (fault_bits & unusable) == 0u);
+    if p.sample_count == 0u {
+        p.first = value;
+    }
+    p.difference += value - p.first;
     p.sample_count += 1u;
     if fault_bits != 0u {
         let b = fault_bits;

@@ -20,10 +20,12 @@
 #import light/environment
 #endif
 
-// Roulette begins at this bounce, and never lets a path go on with less or more than these.
+// Roulette begins at this bounce, and never lets a path go on with a smaller probability than
+// this. A path that has lost nothing goes on: were it ended by chance, the weight of those that
+// survive, and the variance with it, would grow without bound where the albedo is above 0.97.
+// So after roulette no path weighs more than 1, or than its samples weighed.
 const ROULETTE_START: u32 = 5u;
 const ROULETTE_LEAST: f32 = 0.05;
-const ROULETTE_MOST: f32 = 0.95;
 
 struct Path {
     ray: Ray,
@@ -73,7 +75,7 @@ fn path_scatter(path: Path, s: Surface, b: Bsdf, frame_s: mat3x3<f32>, u: vec2<f
     p.ray = ray_new(ray_spawn(s.position, s.ng, s.offset, wi), wi);
 #if ROULETTE
     if bounce + 1u >= ROULETTE_START {
-        let q = clamp(max_component(p.throughput) / p.eta_scale, ROULETTE_LEAST, ROULETTE_MOST);
+        let q = clamp(max_component(p.throughput) / p.eta_scale, ROULETTE_LEAST, 1.0);
         p.is_alive = p.is_alive && roulette < q;
         p.throughput /= q;
     }

@@ -29,7 +29,8 @@ fn warp_cosine_hemisphere(u: vec2<f32>) -> vec3<f32> {
 // Hemisphere about +z with pdf 1 / 2π.
 fn warp_uniform_hemisphere(u: vec2<f32>) -> vec3<f32> {
     let d = warp_disk(u);
-    let s = dot(d, d);
+    // The rim of the disk is off by what sines and cosines are: not below the horizon.
+    let s = min(dot(d, d), 1.0);
     return vec3<f32>(d * sqrt(max(0.0, 2.0 - s)), 1.0 - s);
 }
 

@@ -157,7 +157,7 @@ fn fault_place(fault: &FaultLocation, scene: &Scene) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use steradian::film::BlockSum;
+    use steradian::film::BlockMean;
     use steradian::scene::Material;
     use steradian::settings::Crop;
 
@@ -174,11 +174,11 @@ mod tests {
     #[test]
     fn pixels_without_samples_are_counted() {
         let mut film = Film::new(Crop { x: 0, y: 0, width: 3, height: 1 });
-        film.add_block(1, 0, BlockSum { sum: [1.0; 3], sample_count: 2 }, true);
+        film.add_block(1, 0, BlockMean { mean: [0.5; 3], sample_count: 2 }, true);
         let warning = empty_warning(&film);
         assert_eq!(warning.as_deref(), Some("warning: 2 pixels have no sample and are black"));
-        film.add_block(0, 0, BlockSum { sum: [0.0; 3], sample_count: 1 }, true);
-        film.add_block(2, 0, BlockSum { sum: [0.0; 3], sample_count: 1 }, true);
+        film.add_block(0, 0, BlockMean { mean: [0.0; 3], sample_count: 1 }, true);
+        film.add_block(2, 0, BlockMean { mean: [0.0; 3], sample_count: 1 }, true);
         assert_eq!(empty_warning(&film), None);
     }
 

@@ -10,9 +10,12 @@ const SLOTS: usize = 16;
 /// Luminance means of every pixel.
 #[derive(Debug, Clone)]
 pub(super) struct BlockMeans {
-    /// One vector a slot, one entry a pixel.
+    /// Mean of a pixel's first block: all others are held as differences to it, so that f32
+    /// tells means of long runs apart.
+    first: Vec<f64>,
+    /// Differences of the runs' means; one vector a slot, one entry a pixel.
     slots: Vec<Vec<f32>>,
-    /// Sum of the block means of the run that is under way; in f64, so that equal means stay exact.
+    /// Sum of the differences of the run that is under way.
     pending: Vec<f64>,
     pending_blocks: u32,
     blocks_per_slot: u32,
@@ -21,6 +24,7 @@ pub(super) struct BlockMeans {
 impl BlockMeans {
     pub(super) fn new(pixel_count: usize) -> Self {
         Self {
+            first: vec![0.0; pixel_count],
             slots: Vec::new(),
             pending: vec![0.0; pixel_count],
             pending_blocks: 0,
@@ -29,8 +33,11 @@ impl BlockMeans {
     }
 
     /// Adds the mean of a pixel's block.
-    pub(super) fn add(&mut self, pixel: usize, mean: f32) {
-        self.pending[pixel] += f64::from(mean);
+    pub(super) fn add(&mut self, pixel: usize, mean: f64) {
+        if self.slots.is_empty() && self.pending_blocks == 0 {
+            self.first[pixel] = mean;
+        }
+        self.pending[pixel] += mean - self.first[pixel];
     }
 
     /// Every pixel has had its block.

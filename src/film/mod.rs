@@ -19,11 +19,11 @@ pub struct Film {
     means: BlockMeans,
 }
 
-/// What a pixel gained in one block. The sums of the device are exact in f64.
+/// What a pixel gained in one block.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BlockSum {
-    /// Sum of the samples' radiance.
-    pub sum: [f64; 3],
+pub struct BlockMean {
+    /// Mean of the samples' radiance.
+    pub mean: [f64; 3],
     /// Samples in it.
     pub sample_count: u32,
 }
@@ -62,17 +62,18 @@ impl Film {
     /// Folds the block of the pixel in column `x` and row `y` of the window. Blocks of
     /// a pixel come in sample order. `is_whole`: the block has all its samples, and
     /// counts as one observation for the variance.
-    pub fn add_block(&mut self, x: u32, y: u32, block: BlockSum, is_whole: bool) {
+    pub fn add_block(&mut self, x: u32, y: u32, block: BlockMean, is_whole: bool) {
         if block.sample_count == 0 {
             return;
         }
         let i = y as usize * self.window.width as usize + x as usize;
-        for (total, s) in self.sum[i].iter_mut().zip(block.sum) {
-            *total += s;
+        let n = f64::from(block.sample_count);
+        for (total, m) in self.sum[i].iter_mut().zip(block.mean) {
+            *total += m * n;
         }
         self.sample_count[i] += block.sample_count;
         if is_whole {
-            self.means.add(i, (luminance(block.sum) / f64::from(block.sample_count)) as f32);
+            self.means.add(i, luminance(block.mean));
         }
     }
 
@@ -138,8 +139,8 @@ mod tests {
 
     const WINDOW: Crop = Crop { x: 0, y: 0, width: 1, height: 1 };
 
-    fn block(value: f32, n: u32) -> BlockSum {
-        BlockSum { sum: [f64::from(value * n as f32); 3], sample_count: n }
+    fn block(value: f32, n: u32) -> BlockMean {
+        BlockMean { mean: [f64::from(value); 3], sample_count: n }
     }
 
     #[test]

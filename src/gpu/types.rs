@@ -53,8 +53,9 @@ gpu_struct! {
 gpu_struct! {
     /// `film/film.wgsl`.
     "FilmPixel" GpuFilmPixel {
-        sum: [f32; 3],
+        first: [f32; 3],
         sample_count: u32,
+        difference: [f32; 3],
         closest_ray_count: u32,
         shadow_ray_count: u32,
         fault_counts: u32,
@@ -63,6 +64,7 @@ gpu_struct! {
         fault_material: u32,
         padding_0: u32,
         padding_1: u32,
+        padding_2: u32,
     }
 }
 

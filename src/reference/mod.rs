@@ -28,7 +28,7 @@ mod tests;
 pub use geometry::{Primitive, Ray};
 
 use crate::Result;
-use crate::film::{BlockSum, Film};
+use crate::film::{BlockMean, Film};
 use crate::scene::Scene;
 use crate::settings::RenderSettings;
 use environment::Sky;
@@ -186,8 +186,8 @@ impl<'a> Reference<'a> {
         (film, tally)
     }
 
-    /// The sum of `count` samples of a pixel.
-    fn block(&self, x: u32, y: u32, first: u32, count: u32) -> (BlockSum, Tally) {
+    /// The mean of `count` samples of a pixel.
+    fn block(&self, x: u32, y: u32, first: u32, count: u32) -> (BlockMean, Tally) {
         let (mut sum, mut tally) = (DVec3::ZERO, Tally::default());
         for index in first..first + count {
             let (radiance, of_sample) = self.trace(x, y, index);
@@ -198,7 +198,8 @@ impl<'a> Reference<'a> {
                 tally.non_finite += 1;
             }
         }
-        (BlockSum { sum: sum.to_array(), sample_count: count }, tally)
+        let mean = (sum / f64::from(count)).to_array();
+        (BlockMean { mean, sample_count: count }, tally)
     }
 
     fn trace(&self, x: u32, y: u32, index: u32) -> (DVec3, Tally) {

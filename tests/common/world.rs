@@ -34,7 +34,9 @@ impl Primitive {
             Self::Triangle([a, b, c]) => {
                 triangle_hit_as::<FUSED>(ray.o, ray.d, a, b, c, t_max).map(|h| h.t)
             }
-            Self::Sphere(center, radius) => sphere_hit(ray.o, ray.d, center, radius, t_max),
+            Self::Sphere(center, radius) => {
+                sphere_hit::<FUSED>(ray.o, ray.d, center, radius, t_max)
+            }
         }
     }
 }

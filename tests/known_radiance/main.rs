@@ -8,6 +8,7 @@ mod bundled;
 mod enclosures;
 mod geometry;
 mod irradiance;
+mod matrix;
 mod shading;
 mod strategies;
 mod surfaces;

@@ -20,5 +20,5 @@ mod j_accumulation;
 mod k_camera;
 mod l_determinism;
 mod planted_defects;
-mod traced;
 mod probe;
+mod traced;

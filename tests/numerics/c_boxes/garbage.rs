@@ -1,15 +1,12 @@
 //! Scenes of garbage numbers: C7. Each is refused with the name of what is wrong, or gives
 //! finite hits.
 
-#[path = "../../gltf_fixture/mod.rs"]
-mod gltf_fixture;
-
 use crate::closed_mesh::pick;
 use crate::common::{
     Primitive, Random, World, assert_at_least, assert_at_most, random_ray, report, scene_of,
 };
+use crate::gltf_fixture::Fixture;
 use crate::traced::{Answer, Query, Walk, trace};
-use gltf_fixture::Fixture;
 use rayon::prelude::*;
 use serde_json::json;
 use steradian::bvh::Ray;

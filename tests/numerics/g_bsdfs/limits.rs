@@ -1,11 +1,8 @@
 //! The smallest roughness, and reflectances that no surface has.
 
-#[path = "../../gltf_fixture/mod.rs"]
-mod gltf_fixture;
-
 use crate::common::{Stage, assert_at_most, assert_naive_fails, grey, render, report, settings};
+use crate::gltf_fixture::{Fixture, has_notice};
 use glam::{Mat3, Vec3};
-use gltf_fixture::{Fixture, has_notice};
 use serde_json::json;
 use std::f64::consts::PI;
 use steradian::RenderSettings;

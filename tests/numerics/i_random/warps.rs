@@ -1,6 +1,6 @@
-//! Random numbers, warps, frames and atan2.
+//! Uniform numbers and the shapes that they are warped to, against twins in Rust.
 
-use crate::{Random, harness, run};
+use crate::common::{Call, Estimate, Random, assert_at_most, assert_naive_fails, harness};
 use glam::{UVec4, Vec3, Vec4};
 use steradian::shader::Feature;
 
@@ -95,7 +95,7 @@ fn sobol(dimension: usize, index: u32) -> u32 {
 }
 
 /// Coordinates of dimensions from `first` on, scrambled with one seed each.
-fn scrambled(first: usize, index: u32, seeds: &[u32]) -> Vec<f32> {
+pub(super) fn scrambled(first: usize, index: u32, seeds: &[u32]) -> Vec<f32> {
     let one = |(k, seed): (usize, &u32)| {
         let bits = owen_hash(sobol(first + k, index).reverse_bits(), *seed).reverse_bits();
         (bits >> 8) as f32 / 16_777_216.0
@@ -108,9 +108,10 @@ fn length_error(v: Vec3) -> f64 {
 }
 
 #[test]
-fn numbers_and_shapes() {
+fn i4_numbers_and_shapes_are_those_of_their_twins() {
     let inputs = inputs();
-    let outputs: Vec<UVec4> = run(harness!("numbers"), &[Feature::Sobol], &inputs, OUTPUTS);
+    let outputs: Vec<UVec4> =
+        Call::new(harness!("numbers"), &[Feature::Sobol]).run(&inputs, OUTPUTS);
     for ([bits, normal], out) in inputs.iter().zip(outputs.chunks_exact(OUTPUTS)) {
         // Integers and their scaling are exact.
         assert_eq!(out[0], pcg4d(*bits));
@@ -155,12 +156,13 @@ fn numbers_and_shapes() {
 /// Means of the warps over many inputs: of z for the hemispheres 2/3 and 1/2, of x² + y² for the
 /// disk 1/2, of the sphere's coordinates 0.
 #[test]
-fn warps_have_the_densities_that_they_claim() {
+fn i4_warps_have_the_densities_that_they_claim() {
     let inputs = inputs();
-    let outputs: Vec<UVec4> = run(harness!("numbers"), &[Feature::Sobol], &inputs, OUTPUTS);
+    let outputs: Vec<UVec4> =
+        Call::new(harness!("numbers"), &[Feature::Sobol]).run(&inputs, OUTPUTS);
     let check = |what: &str, of: &dyn Fn(&[UVec4]) -> f32, expected: f64| {
         let values: Vec<f64> = outputs.chunks_exact(OUTPUTS).map(|o| f64::from(of(o))).collect();
-        let e = crate::common::Estimate::of(&values);
+        let e = Estimate::of(&values);
         assert!((e.mean - expected).abs() <= 3.9 * e.standard_error, "{what}: {e:?}");
     };
     check("cosine", &|o| floats(o[3]).z, 2.0 / 3.0);
@@ -176,4 +178,34 @@ fn warps_have_the_densities_that_they_claim() {
         check("sphere", &|o| floats(o[5])[k], 0.0);
         check("sphere, square", &|o| floats(o[5])[k].powi(2), 1.0 / 3.0);
     }
+}
+
+/// The words that become 1 when all their bits are converted, through every warp: both numbers of
+/// a pair at the end of the interval, and one of them at its beginning.
+#[test]
+fn i4_no_uniform_number_is_one() {
+    let words = || (0..256).map(|i| 0xFFFF_FF00 + i);
+    let pair = |x: u32, y: u32| [UVec4::new(x, y, x, y), UVec4::new(0, 0, 1.0_f32.to_bits(), 0)];
+    let mut inputs: Vec<_> = words().flat_map(|x| words().map(move |y| pair(x, y))).collect();
+    inputs.extend(words().map(|x| pair(x, 0)));
+    inputs.extend(words().map(|y| pair(0, y)));
+    let outputs: Vec<UVec4> =
+        Call::new(harness!("numbers"), &[Feature::Sobol]).run(&inputs, OUTPUTS);
+    let (mut ones, mut broken, mut outside) = (0, 0, 0);
+    for out in outputs.chunks_exact(OUTPUTS) {
+        let uniforms = [1, 9, 10, 11].map(|slot| floats(out[slot]).to_array());
+        ones += uniforms.iter().flatten().filter(|u| !(0.0..1.0).contains(*u)).count();
+        let shapes = || (2..6).map(|slot| floats(out[slot]));
+        broken += shapes().filter(|v| !v.is_finite()).count();
+        // The disk, the second and third weights in the triangle, the hemispheres.
+        let [x, y, b, c] = floats(out[2]).to_array();
+        let is_inside = x.hypot(y) <= 1.0 + 1e-6 && b >= 0.0 && c >= 0.0 && b + c <= 1.0 + 1e-6;
+        outside += usize::from(!is_inside || floats(out[3]).z < 0.0 || floats(out[4]).z < 0.0);
+    }
+    let what = "256 top words in pairs";
+    assert_at_most("I4", &format!("{what}: uniform numbers not below 1"), ones as f64, 0.0);
+    assert_at_most("I4", &format!("{what}: warps not finite"), broken as f64, 0.0);
+    assert_at_most("I4", &format!("{what}: warps outside their shape"), outside as f64, 0.0);
+    let naive = words().filter(|&w| w as f32 * 2.0_f32.powi(-32) >= 1.0).count() as f64;
+    assert_naive_fails("I4", "f32(word) / 2^32: top words that give 1", naive, 128.0);
 }

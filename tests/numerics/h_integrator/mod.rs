@@ -1,0 +1,6 @@
+//! The integrator.
+
+mod counters;
+mod roulette;
+mod stack;
+mod weights;
