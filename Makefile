@@ -7,6 +7,8 @@ OUT ?= out
 DEMO_RESOLUTION ?= 320x320
 DEMO_SPP ?= 48
 GALLERY_SPP ?= 256
+# Which cases: all of them, which takes hours on two cores; nothing, for those of `make test`.
+NUMERICS ?= --include-ignored
 BENCH_SCENE ?= scenes/cornell-spheres/cornell-spheres.gltf
 
 SCENES = $(sort $(wildcard scenes/*/*.gltf scenes/*/*.glb))
@@ -28,14 +30,14 @@ demo: setup ## Render a bundled scene to out/demo.png
 test: setup ## Run all tests
 	$(CARGO) test
 
-numerics: setup ## Run all hard cases, long ones too, and write docs/numerics.md
+numerics: setup ## Run the hard cases, long ones too, and write docs/numerics.md
 	@mkdir -p $(OUT)
 	@rm -f $(OUT)/figures.jsonl
 	@status=0; STERADIAN_FIGURES=$(abspath $(OUT))/figures.jsonl \
 		$(CARGO) test --release --no-fail-fast --test numerics --test known_radiance \
-		-- --include-ignored --test-threads 1 || status=$$?; \
+		-- $(NUMERICS) --test-threads 1 || status=$$?; \
 	$(CARGO) run --release --example write_numerics -- \
-		$(OUT)/figures.jsonl docs/numerics.md && exit $$status
+		$(OUT)/figures.jsonl docs/numerics.md "$(NUMERICS)" && exit $$status
 
 gallery: setup ## Render every bundled scene into out/gallery/
 	@mkdir -p $(OUT)/gallery

@@ -286,6 +286,19 @@ fn a_sphere_replaces_its_triangles() {
 }
 
 #[test]
+fn a_sphere_with_alpha_is_noted() {
+    let sphere = |mode: &str| {
+        let mut fixture = Fixture::triangle();
+        fixture.json["meshes"][0]["extras"] = json!({"steradian": {"sphere": {"radius": 0.5}}});
+        fixture.json["materials"] = json!([{"alphaMode": mode}]);
+        fixture.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+        let scene = fixture.scene();
+        scene.notices.iter().any(|n| n.message.contains("alpha of an analytic sphere"))
+    };
+    assert!(sphere("BLEND") && sphere("MASK") && !sphere("OPAQUE"));
+}
+
+#[test]
 fn a_sphere_too_small_for_its_place_is_noted() {
     // Between 8192 and 16384 an ulp is 2^-10; the bound is 2048 of them.
     for (radius, is_noted) in [(1.99, true), (2.0, false)] {

@@ -1,5 +1,5 @@
 //! Writes docs/numerics.md from the figures that the tests recorded:
-//! `write_numerics FIGURES PAGE`. `make numerics` runs the tests and this.
+//! `write_numerics FIGURES PAGE CASES`. `make numerics` runs the tests and this.
 
 mod bars;
 
@@ -150,7 +150,7 @@ fn letter_table(letter: char, name: &str, figures: &[Figure]) -> String {
     text
 }
 
-fn page(figures: &[Figure], device: &str) -> String {
+fn page(figures: &[Figure], device: &str, cases: &str) -> String {
     let mut counts = BTreeMap::new();
     for f in figures.iter().filter(|f| f.kind == Kind::Product) {
         *counts.entry(f.holds()).or_insert(0) += 1;
@@ -159,10 +159,15 @@ fn page(figures: &[Figure], device: &str) -> String {
     let mut text = format!(
         "# Numerical stability, measured\n\n\
          Written by `make numerics`, which runs the catalogue of hard cases (`tests/numerics`) and the\n\
-         scenes of known radiance (`tests/known_radiance`), long cases included. Of the figures that\n\
+         scenes of known radiance (`tests/known_radiance`), {}. Of the figures that\n\
          have a bar, {} hold and {} miss it. Rows named \"the usual technique\" are copies of\n\
          common methods that the tests keep to show that a case is hard.\n\n{device}\n\n\
          | | held to | measured | best known elsewhere |\n|---|---|---|---|\n",
+        match cases {
+            "--include-ignored" => "all of them",
+            "" => "without the long cases",
+            _ => "without most of the long cases",
+        },
         count(true),
         count(false),
     );
@@ -184,10 +189,10 @@ fn device_line() -> Result<String, String> {
 
 fn run() -> Result<(), String> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [figures, page_path] = &arguments[..] else {
-        return Err("usage: write_numerics FIGURES PAGE".into());
+    let [figures, page_path, cases] = &arguments[..] else {
+        return Err("usage: write_numerics FIGURES PAGE CASES".into());
     };
-    let text = page(&read(figures)?, &device_line()?);
+    let text = page(&read(figures)?, &device_line()?, cases);
     std::fs::write(page_path, text).map_err(|e| format!("{page_path}: {e}"))
 }
 

@@ -8,7 +8,7 @@ use super::normals;
 use super::notices::Notices;
 use super::triangles::{self, Assembled};
 use crate::Result;
-use crate::scene::{Material, Mesh};
+use crate::scene::{AlphaMode, Material, Mesh};
 use glam::{Vec2, Vec3, Vec4};
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::mesh::{Primitive, Semantic};
@@ -81,7 +81,9 @@ impl GeometryReader<'_> {
                 )));
             }
             let material = mesh.primitives.first().and_then(|primitive| primitive.material);
-            return Ok(Shape::Sphere { radius, material: self.material(material, &label)? });
+            let material = self.material(material, &label)?;
+            self.note_sphere(material, &label);
+            return Ok(Shape::Sphere { radius, material });
         }
 
         let mut indices = Vec::new();
@@ -97,6 +99,18 @@ impl GeometryReader<'_> {
             }
         }
         Ok(Shape::Meshes(indices))
+    }
+
+    /// What an analytic sphere does not have.
+    fn note_sphere(&mut self, material: u32, what: &str) {
+        let material = &self.materials[material as usize];
+        if material.alpha_mode != AlphaMode::Opaque {
+            self.notices.approximated("alpha of an analytic sphere: drawn opaque", what);
+        }
+        if material.textures().next().is_some() {
+            let message = "textures of an analytic sphere: taken at coordinates (0, 0)";
+            self.notices.approximated(message, what);
+        }
     }
 
     /// Index of the material, or of the default one.
