@@ -166,7 +166,7 @@ fn page(figures: &[Figure], device: &str, cases: &str) -> String {
         match cases {
             "--include-ignored" => "all of them",
             "" => "without the long cases",
-            _ => "without most of the long cases",
+            other => other,
         },
         count(true),
         count(false),
