@@ -72,6 +72,7 @@ impl Figure {
     fn strain(&self) -> f64 {
         let (figure, limit) = (self.figure.value(), self.limit.as_ref().map_or(0.0, Number::value));
         match self.bound {
+            _ if figure == limit && limit == 0.0 => 0.0,
             _ if figure == limit => 1.0,
             Some(Bound::AtMost) if limit > 0.0 => figure / limit,
             Some(Bound::AtLeast) if figure > 0.0 => limit / figure,
@@ -99,6 +100,11 @@ fn number(x: f64) -> String {
     if (0.01..1e4).contains(&x.abs()) { format!("{x:.4}") } else { format!("{x:.2e}") }
 }
 
+/// Text as it may stand in a table.
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|")
+}
+
 fn read(path: &str) -> Result<Vec<Figure>, String> {
     let text = std::fs::read_to_string(path).map_err(|e| format!("{path}: {e}"))?;
     let parse =
@@ -123,7 +129,8 @@ fn bar_row(bar: &Bar, figures: &[Figure]) -> String {
             w.what
         ),
     };
-    format!("| {} | {} | {measured} | {} |\n", bar.number, bar.text, bar.elsewhere)
+    let row = [bar.text, &measured, bar.elsewhere].map(cell);
+    format!("| {} | {} | {} | {} |\n", bar.number, row[0], row[1], row[2])
 }
 
 fn letter_table(letter: char, name: &str, figures: &[Figure]) -> String {
@@ -145,7 +152,8 @@ fn letter_table(letter: char, name: &str, figures: &[Figure]) -> String {
         };
         let bound = if f.kind == Kind::Product { f.bound_text() } else { String::new() };
         let figure = number(f.figure.value());
-        let _ = writeln!(text, "| {} | {} | {figure} | {bound} | {verdict} |", f.case, f.what);
+        let _ =
+            writeln!(text, "| {} | {} | {figure} | {bound} | {verdict} |", f.case, cell(&f.what));
     }
     text
 }
