@@ -4,16 +4,13 @@ use super::camera::gpu_camera;
 use super::{GpuFrame, SceneBuffers};
 use crate::scene::{Environment, Scene};
 use crate::settings::RenderSettings;
-use crate::shader::generated::INVALID;
-
-/// Pixels along a tile's side.
-const TILE: u32 = 8;
+use crate::shader::generated::{INVALID, TILE_SIDE};
 
 impl SceneBuffers {
     /// The uniforms that do not change between dispatches; the others are 0.
     pub fn frame(&self, scene: &Scene, settings: &RenderSettings) -> GpuFrame {
         let window = settings.window();
-        let tiles_across = window.width.div_ceil(TILE);
+        let tiles_across = window.width.div_ceil(TILE_SIDE);
         let ([x, y, z], environment_size) = environment_frame(scene.environment.as_ref());
         let world = self.world.statistics();
         GpuFrame {

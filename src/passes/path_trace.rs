@@ -3,12 +3,9 @@
 use super::Tuning;
 use crate::Result;
 use crate::gpu::{Device, GpuFilmPixel, GpuFrame, GpuScene, Kernel};
-use crate::shader::generated::{INVALID, TILE_PIXELS};
+use crate::shader::generated::{INVALID, TILE_PIXELS, TILE_SIDE};
 use crate::shader::{Features, generated};
 use bytemuck::Zeroable;
-
-/// Pixels along a tile's side.
-const TILE: u32 = 8;
 
 /// One dispatch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,7 +37,7 @@ pub struct PathTrace {
 impl PathTrace {
     /// Tiles across and down a window.
     pub fn tiles(width: u32, height: u32) -> (u32, u32) {
-        (width.div_ceil(TILE), height.div_ceil(TILE))
+        (width.div_ceil(TILE_SIDE), height.div_ceil(TILE_SIDE))
     }
 
     /// Bytes of the film buffer for so many tiles.
@@ -53,7 +50,7 @@ impl PathTrace {
     pub fn pixel(tile: u32, local: u32, tiles_across: u32) -> (u32, u32) {
         let x = (local & 3) | (local >> 1 & 4);
         let y = (local >> 2 & 1) | (local >> 3 & 6);
-        (tile % tiles_across * TILE + x, tile / tiles_across * TILE + y)
+        (tile % tiles_across * TILE_SIDE + x, tile / tiles_across * TILE_SIDE + y)
     }
 
     /// Compiles for `features` and allocates the film for regions of `region_tiles`.

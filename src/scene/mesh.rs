@@ -42,7 +42,7 @@ pub struct Instance {
     /// Index into [`super::Scene::meshes`].
     pub mesh: u32,
     /// Places object space in the world. Finite and invertible; the determinant
-    /// may be negative (mirrored: the front face is then clockwise in object space).
+    /// may be negative (mirrored: the front face is then clockwise in world space).
     pub world_from_object: Affine3A,
 }
 

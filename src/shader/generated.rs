@@ -5,8 +5,10 @@ use std::fmt::Write;
 
 /// Threads in a workgroup, unless an experiment says otherwise.
 pub const WORKGROUP_SIZE: u32 = 64;
-/// Pixels of a tile of 8 by 8; each is one thread's.
-pub const TILE_PIXELS: u32 = 64;
+/// Pixels along a tile's side.
+pub const TILE_SIDE: u32 = 8;
+/// Pixels of a tile; each is one thread's.
+pub const TILE_PIXELS: u32 = TILE_SIDE * TILE_SIDE;
 /// No index.
 pub const INVALID: u32 = u32::MAX;
 /// In place of a density: the direction has none.

@@ -77,3 +77,17 @@ pub(crate) fn assert_constant(what: &str, film: &Film, truth: f64) {
         assert!(error.abs() <= ROUNDING * truth, "{what}: {channel} differs from {truth}");
     }
 }
+
+/// Pixels on a strip's side: strips are squares side by side in a picture.
+pub(crate) const STRIP: u32 = 8;
+
+/// Estimates of the strips of a picture that is one strip high.
+pub(crate) fn strips(film: &Film) -> Vec<Estimate> {
+    let (pixels, width) = (grey(film), film.window().width as usize);
+    let side = STRIP as usize;
+    let of_strip = |k: usize| {
+        let rows = pixels.chunks(width).flat_map(|row| &row[k * side..(k + 1) * side]);
+        Estimate::of(&rows.copied().collect::<Vec<_>>())
+    };
+    (0..width / side).map(of_strip).collect()
+}

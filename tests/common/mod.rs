@@ -15,7 +15,9 @@ mod stage;
 mod world;
 
 pub(crate) use batch::{Call, harness};
-pub(crate) use estimate::{Estimate, assert_agree, assert_constant, assert_truth, grey};
+pub(crate) use estimate::{
+    Estimate, STRIP, assert_agree, assert_constant, assert_truth, grey, strips,
+};
 pub(crate) use random::Random;
 pub(crate) use record::{assert_at_least, assert_at_most, assert_naive_fails, report};
 pub(crate) use stage::{Stage, emitter, lambert, quad_mesh, with_uvs};

@@ -1,28 +1,14 @@
 //! Alpha, textures and normal maps.
 
 use crate::common::{
-    Estimate, Stage, assert_constant, assert_truth, emitter, grey, lambert, quad_mesh, render,
-    settings, with_uvs,
+    Estimate, STRIP, Stage, assert_constant, assert_truth, emitter, lambert, quad_mesh, render,
+    settings, strips, with_uvs,
 };
 use glam::{Affine2, Affine3A, Vec2, Vec3};
 use std::f64::consts::PI;
 use steradian::RenderSettings;
 use steradian::film::Film;
 use steradian::scene::{AlphaMode, ColorSpace, Image, LightKind, Material, TextureRef, Wrap};
-
-/// Pixels on a strip's side: strips are squares side by side in a picture.
-const STRIP: u32 = 8;
-
-/// Estimates of the strips of a picture that is one strip high.
-fn strips(film: &Film) -> Vec<Estimate> {
-    let (pixels, width) = (grey(film), film.window().width as usize);
-    let side = STRIP as usize;
-    let of_strip = |k: usize| {
-        let rows = pixels.chunks(width).flat_map(|row| &row[k * side..(k + 1) * side]);
-        Estimate::of(&rows.copied().collect::<Vec<_>>())
-    };
-    (0..width / side).map(of_strip).collect()
-}
 
 fn see_through(alpha_mode: AlphaMode, alpha: f32) -> Material {
     Material { alpha_mode, alpha, ..lambert(0.0) }

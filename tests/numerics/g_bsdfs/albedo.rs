@@ -3,13 +3,12 @@
 use super::definition::ggx_value;
 use super::{Input, run};
 use crate::common::{
-    Estimate, Stage, assert_at_most, assert_naive_fails, assert_truth, grey, render, report,
-    settings,
+    Estimate, STRIP, Stage, assert_at_most, assert_naive_fails, assert_truth, render, report,
+    settings, strips,
 };
 use glam::{DVec3, Vec3, Vec4};
 use std::f64::consts::PI;
 use steradian::RenderSettings;
-use steradian::film::Film;
 use steradian::scene::Material;
 use steradian::settings::Strategy;
 
@@ -148,20 +147,6 @@ fn g4_separable_masking_loses_energy() {
     }
     let short = albedo(alpha, cos_o, 12) - sum;
     assert_naive_fails("G4", "albedo lost by separable masking, alpha 1, cos 0.1", short, 1e-2);
-}
-
-/// Pixels on a strip's side.
-const STRIP: u32 = 8;
-
-/// Estimates of the strips of a picture that is one strip high.
-fn strips(film: &Film) -> Vec<Estimate> {
-    let (pixels, width) = (grey(film), film.window().width as usize);
-    let side = STRIP as usize;
-    let of_strip = |k: usize| {
-        let rows = pixels.chunks(width).flat_map(|row| &row[k * side..(k + 1) * side]);
-        Estimate::of(&rows.copied().collect::<Vec<_>>())
-    };
-    (0..width / side).map(of_strip).collect()
 }
 
 /// White metal under a white sky shows its albedo. A strip for each alpha, in one plane.
