@@ -50,9 +50,9 @@ fn every_bounce_of_a_furnace_is_half_the_one_before() {
 }
 
 #[test]
-#[ignore = "tier N: about 30 minutes"]
+#[ignore = "tier N: about 4 minutes"]
 fn h5_every_bounce_of_a_furnace_to_a_thousandth() {
-    check_series(SERIES, 256, 512, 1e-3);
+    check_series(SERIES, 128, 256, 1e-3);
 }
 
 /// Without light samples and roulette no random number changes a path's radiance.
