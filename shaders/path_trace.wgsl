@@ -104,13 +104,26 @@ fn main(
     let thread = group.x * WORKGROUP_SIZE + local;
     let in_dispatch = thread / TILE_PIXELS;
     let index = frame.dispatch_first_tile * TILE_PIXELS + thread;
+    var pixel = film[index];
+#if ADAPTIVE
+    let in_window = tile_pixel(pixel.pixel / TILE_PIXELS, pixel.pixel % TILE_PIXELS);
+    let is_active = in_dispatch < frame.dispatch_tile_count && pixel.pixel != INVALID;
+    let sample_first = pixel.sample_base + frame.sample_first;
+#else
     let tile = frame.region_first_tile + frame.dispatch_first_tile + in_dispatch;
     let in_window = tile_pixel(tile, thread % TILE_PIXELS);
     let is_active = in_dispatch < frame.dispatch_tile_count && all(in_window < frame.window_size);
+    let sample_first = frame.sample_first;
+#endif
     let at = frame.window_origin + in_window;
-    var pixel = film[index];
     for (var i = 0u; i < frame.sample_count; i++) {
-        let sampler_p = Sampler(at.x | (at.y << 16u), frame.sample_first + i);
+        let sampler_p = Sampler(at.x | (at.y << 16u), sample_first + i);
+#if ADAPTIVE
+        // A pixel's last block is as long as its limit lets it be.
+        let is_wanted = is_active && sampler_p.sample_index < frame.sample_limit;
+#else
+        let is_wanted = is_active;
+#endif
         let jitter = sampler_pair(sampler_p, GROUP_PIXEL);
         let position = (vec2<f32>(at) + jitter) / vec2<f32>(frame.resolution);
         let film_position = vec2<f32>(2.0 * position.x - 1.0, 1.0 - 2.0 * position.y);
@@ -119,8 +132,10 @@ fn main(
 #else
         let lens = vec2<f32>(0.5);
 #endif
-        let radiance = path_radiance(sampler_p, camera_ray(film_position, lens), is_active);
-        pixel = film_add(pixel, radiance, sampler_p.sample_index);
+        let radiance = path_radiance(sampler_p, camera_ray(film_position, lens), is_wanted);
+        if is_wanted {
+            pixel = film_add(pixel, radiance, sampler_p.sample_index);
+        }
     }
     pixel.closest_ray_count += path_ray_count;
     pixel.shadow_ray_count += path_shadow_ray_count;

@@ -30,6 +30,7 @@ pub mod scene;
 pub mod settings;
 pub mod shader;
 pub mod statistics;
+pub mod stopping;
 
 pub use error::{Error, Result};
 pub use renderer::Renderer;

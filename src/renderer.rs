@@ -1,18 +1,27 @@
-//! One render: owns the scene on the device, the kernel and the film.
+//! One render: owns the scene on the device, the kernels and the film.
 
+mod rounds;
 mod schedule;
+mod statistics;
+mod sweep;
 
+pub use statistics::{FaultLocation, RenderStatistics};
+
+#[cfg(doc)]
+use crate::Error;
+use crate::Result;
 use crate::film::{BlockMean, Film};
 use crate::gpu::{Device, GpuFilmPixel, GpuScene, SceneBuffers, TreeWidth};
-use crate::passes::{FloatEnvironment, PathTrace, Tuning};
+use crate::passes::{FloatEnvironment, PathTrace, Tuning, Work};
 use crate::scene::Scene;
 use crate::settings::{Accel, RenderSettings};
-use crate::shader::generated::{Fault, INVALID, TILE_PIXELS};
+use crate::shader::generated::{TILE_PIXELS, TILE_SIDE};
 use crate::shader::{Feature, Features};
-use crate::{Error, Result};
+use rounds::Rounds;
 use schedule::Schedule;
 use std::sync::Arc;
 use std::time::Instant;
+use sweep::{Pace, Piece, Sweep};
 
 /// A render under way. [`Renderer::step`] until it says that nothing is left, or
 /// stop at any time; then [`Renderer::finish`] and read the film.
@@ -23,65 +32,18 @@ pub struct Renderer {
     _scene: GpuScene,
     pass: PathTrace,
     film: Film,
-    schedule: Schedule,
+    pace: Pace,
+    plan: Plan,
     statistics: RenderStatistics,
-    /// Whether the film buffer holds samples that the film does not.
-    has_pending: bool,
     started: Option<Instant>,
 }
 
-/// Counts and times of a render.
-#[derive(Debug, Clone, Default)]
-pub struct RenderStatistics {
-    /// What was compiled.
-    pub features: Features,
-    /// How the device computes.
-    pub float_environment: Option<FloatEnvironment>,
-    /// Building trees and tables.
-    pub bvh_seconds: f64,
-    /// Compiling the kernel, the driver's part included.
-    pub compile_seconds: f64,
-    /// Tracing and reading back.
-    pub render_seconds: f64,
-    /// Camera paths.
-    pub samples: u64,
-    /// Rays that looked for their nearest hit.
-    pub closest_rays: u64,
-    /// Rays that looked for any hit.
-    pub shadow_rays: u64,
-    /// Samples with a fault, in the order of [`Fault::ALL`].
-    pub faults: [u64; 4],
-    /// The first of them.
-    pub first_fault: Option<FaultLocation>,
-    /// Triangles on the device.
-    pub triangle_count: usize,
-    /// Spheres.
-    pub sphere_count: usize,
-    /// Placements of shared meshes.
-    pub instance_count: usize,
-    /// Nodes of all trees.
-    pub node_count: usize,
-    /// Cost of the top tree by the surface area heuristic.
-    pub sah_cost: f64,
-    /// Levels of the trees.
-    pub tree_depth: u32,
-    /// Bytes of the scene on the device.
-    pub device_bytes: u64,
-    /// Lines of the kernel.
-    pub wgsl_lines: usize,
-}
-
-/// A faulty sample.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct FaultLocation {
-    /// Column and row in the whole picture.
-    pub pixel: (u32, u32),
-    /// Sample index.
-    pub sample: u32,
-    /// Scattering events before it; `None` where the fault came up outside of a path.
-    pub bounce: Option<u32>,
-    /// Index into [`Scene::materials`] of the surface last met; `None` before the first.
-    pub material: Option<u32>,
+/// Which samples come next.
+enum Plan {
+    /// As many for every pixel.
+    Fixed(Schedule),
+    /// For the pixels that are not converged.
+    Adaptive(Box<Rounds>),
 }
 
 impl Renderer {
@@ -111,17 +73,25 @@ impl Renderer {
         let bvh_seconds = begin.elapsed().as_secs_f64();
         let gpu_scene = buffers.upload(&device)?;
 
-        let window = settings.window();
         let features = Features::of(scene, settings).with_if(Feature::Packets, has_packets);
-        let schedule = Schedule::new(&device, settings, tuning)?;
         let begin = Instant::now();
         let frame = buffers.frame(scene, settings);
         let stack_size = buffers.world.stack_size.max(1);
-        let region = schedule.region_tiles();
+        let schedule = Schedule::new(&device, settings)?;
+        let pixels = match settings.stopping_rule() {
+            None => u64::from(schedule.region_tiles()) * u64::from(TILE_PIXELS),
+            Some(_) => Rounds::film_pixels(&device, settings)?,
+        };
         let mut pass =
-            PathTrace::new(&device, &gpu_scene, features, stack_size, frame, region, tuning)?;
+            PathTrace::new(&device, &gpu_scene, features, stack_size, frame, pixels, tuning)?;
         pass.clear(&device);
-        pass.run(&device, Schedule::warm_up())?;
+        pass.run(&device, Work { tile_count: 1, ..Work::default() }, None)?;
+        let plan = match settings.stopping_rule() {
+            None => Plan::Fixed(schedule),
+            Some(rule) => {
+                Plan::Adaptive(Box::new(Rounds::new(&device, &rule, settings, &pass, tuning)?))
+            }
+        };
         let compile_seconds = begin.elapsed().as_secs_f64();
 
         let world = buffers.world.statistics();
@@ -141,16 +111,34 @@ impl Renderer {
             ..Default::default()
         };
         Ok(Self {
+            pace: Pace::new(&device, settings.samples_per_block(), tuning),
             device,
             settings: settings.clone(),
             _scene: gpu_scene,
             pass,
-            film: Film::new(window),
-            schedule,
+            film: Film::new(settings.window()),
+            plan,
             statistics,
-            has_pending: false,
             started: None,
         })
+    }
+
+    /// Begins anew with another seed. Times of building and compiling stay as they were.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`].
+    pub fn restart(&mut self, seed: u32) -> Result<()> {
+        self.settings.seed = seed;
+        self.pass.set_seed(seed);
+        self.pass.clear(&self.device);
+        self.film = Film::new(self.film.window());
+        self.statistics = self.statistics.without_counts();
+        self.started = None;
+        match &mut self.plan {
+            Plan::Fixed(schedule) => *schedule = Schedule::new(&self.device, &self.settings)?,
+            Plan::Adaptive(rounds) => rounds.restart(&self.device)?,
+        }
+        Ok(())
     }
 
     /// Traces one piece of work, of 50 to 100 ms where the device allows. `false`:
@@ -163,13 +151,21 @@ impl Renderer {
         if self.settings.time.is_some_and(|limit| started.elapsed() >= limit) {
             return Ok(false);
         }
-        let Some(work) = self.schedule.next() else { return Ok(false) };
+        let Some(piece) = self.sweep().next(&self.pace) else { return Ok(false) };
         let begin = Instant::now();
-        self.pass.run(&self.device, work)?;
-        self.has_pending = true;
-        let seconds = begin.elapsed().as_secs_f64();
-        if self.schedule.advance(work, seconds) {
-            self.fold(true)?;
+        let work = self.work(piece);
+        let adaptive = match &self.plan {
+            Plan::Fixed(_) => None,
+            Plan::Adaptive(rounds) => Some(&rounds.pass),
+        };
+        self.pass.run(&self.device, work, adaptive)?;
+        self.pace.learn(piece, begin.elapsed().as_secs_f64());
+        match &mut self.plan {
+            Plan::Fixed(schedule) => schedule.sweep.advance(piece),
+            Plan::Adaptive(rounds) => rounds.sweep.advance(piece),
+        }
+        if self.sweep().is_done() {
+            self.fold()?;
         }
         self.statistics.render_seconds += begin.elapsed().as_secs_f64();
         Ok(true)
@@ -180,7 +176,13 @@ impl Renderer {
     /// # Errors
     /// [`Error::DeviceLost`].
     pub fn finish(&mut self) -> Result<()> {
-        if self.has_pending { self.fold(false) } else { Ok(()) }
+        if !self.sweep().is_new() && !self.sweep().is_done() {
+            self.fold()?;
+        }
+        if let Plan::Adaptive(rounds) = &self.plan {
+            self.film.set_stops(rounds.stops(&self.device, self.film.window())?);
+        }
+        Ok(())
     }
 
     /// The sums so far.
@@ -193,100 +195,95 @@ impl Renderer {
         &self.statistics
     }
 
-    /// Share of the samples, or of the time, that is done; 0 to 1.
+    /// Share of the samples, of the pixels, or of the time, that is done; 0 to 1.
     pub fn progress(&self) -> f64 {
         let by_time = match (self.settings.time, self.started) {
             (Some(limit), Some(start)) => start.elapsed().as_secs_f64() / limit.as_secs_f64(),
             _ => 0.0,
         };
-        by_time.max(self.schedule.progress()).min(1.0)
+        let by_samples = match &self.plan {
+            Plan::Fixed(schedule) => schedule.progress(),
+            Plan::Adaptive(rounds) => rounds.progress(),
+        };
+        by_time.max(by_samples).min(1.0)
     }
 
-    /// Reads the region's block back and folds it into the film.
-    fn fold(&mut self, is_whole: bool) -> Result<()> {
-        let (first_tile, tile_count) = self.schedule.folded_region();
-        let (across, _) = PathTrace::tiles(self.film.window().width, self.film.window().height);
-        let pixels = self.pass.read(&self.device, tile_count)?;
-        let is_block = is_whole && self.schedule.is_full_block();
-        for (tile, of_tile) in (first_tile..).zip(pixels.chunks_exact(TILE_PIXELS as usize)) {
-            for (local, pixel) in (0..).zip(of_tile) {
-                let (x, y) = PathTrace::pixel(tile, local, across);
-                if x < self.film.window().width && y < self.film.window().height {
-                    self.fold_pixel(x, y, pixel, is_block);
-                }
-            }
+    fn sweep(&self) -> &Sweep {
+        match &self.plan {
+            Plan::Fixed(schedule) => &schedule.sweep,
+            Plan::Adaptive(rounds) => &rounds.sweep,
         }
-        if is_block && self.schedule.ended_round() {
-            self.film.end_round();
+    }
+
+    fn work(&self, piece: Piece) -> Work {
+        let (region_first_tile, block_first) = match &self.plan {
+            Plan::Fixed(schedule) => schedule.first(),
+            // Every pixel on the list knows its own first sample.
+            Plan::Adaptive(_) => (0, 0),
+        };
+        Work {
+            region_first_tile,
+            first_tile: piece.first_tile,
+            tile_count: piece.tile_count,
+            sample_first: block_first + piece.first_sample,
+            sample_count: piece.sample_count,
+        }
+    }
+
+    /// Reads the block under way back and folds it into the film.
+    fn fold(&mut self) -> Result<()> {
+        match self.plan {
+            Plan::Fixed(_) => self.fold_region(),
+            Plan::Adaptive(_) => self.fold_round(),
+        }
+    }
+
+    fn fold_region(&mut self) -> Result<()> {
+        let Plan::Fixed(schedule) = &mut self.plan else { return Ok(()) };
+        let is_block = schedule.is_full_block();
+        let first_pixel = schedule.first().0 * TILE_PIXELS;
+        let count = schedule.sweep.tile_count() * TILE_PIXELS;
+        if schedule.sweep.is_done() {
+            schedule.next_region();
+        }
+        let blocks = self.pass.read(&self.device, count)?;
+        for (pixel, block) in (first_pixel..).zip(&blocks) {
+            self.fold_pixel(pixel, block, is_block);
         }
         self.pass.clear(&self.device);
-        self.has_pending = false;
         Ok(())
     }
 
-    fn fold_pixel(&mut self, x: u32, y: u32, pixel: &GpuFilmPixel, is_block: bool) {
-        let block = BlockMean {
-            mean: std::array::from_fn(|c| {
-                let share = f64::from(pixel.difference[c]) / f64::from(pixel.sample_count.max(1));
-                f64::from(pixel.first[c]) + share
-            }),
-            sample_count: pixel.sample_count,
-        };
-        self.film.add_block(x, y, block, is_block);
-        let s = &mut self.statistics;
-        s.samples += u64::from(pixel.sample_count);
-        s.closest_rays += u64::from(pixel.closest_ray_count);
-        s.shadow_rays += u64::from(pixel.shadow_ray_count);
-        if pixel.fault_counts == 0 {
+    fn fold_round(&mut self) -> Result<()> {
+        let Plan::Adaptive(rounds) = &self.plan else { return Ok(()) };
+        let block_size = self.settings.samples_per_block();
+        let blocks = self.pass.read(&self.device, rounds.active_count)?;
+        for block in &blocks {
+            self.fold_pixel(block.pixel, block, block.sample_count == block_size);
+        }
+        let begin = Instant::now();
+        let Plan::Adaptive(rounds) = &mut self.plan else { return Ok(()) };
+        self.statistics.decisions += u32::from(rounds.end(&self.device, &blocks, &self.film)?);
+        self.statistics.stopping_seconds += begin.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// `pixel`: its place in the order of tiles.
+    fn fold_pixel(&mut self, pixel: u32, block: &GpuFilmPixel, is_whole: bool) {
+        let window = self.film.window();
+        let tiles_across = window.width.div_ceil(TILE_SIDE);
+        let (x, y) = PathTrace::pixel(pixel / TILE_PIXELS, pixel % TILE_PIXELS, tiles_across);
+        if x >= window.width || y >= window.height {
             return;
         }
-        for cause in Fault::ALL {
-            s.faults[cause as usize] += u64::from(pixel.fault_counts >> (8 * cause as u32) & 0xFF);
-        }
-        let window = self.settings.window();
-        s.first_fault.get_or_insert(FaultLocation {
-            pixel: (window.x + x, window.y + y),
-            sample: pixel.fault_sample,
-            bounce: valid(pixel.fault_bounce),
-            material: valid(pixel.fault_material),
-        });
-    }
-}
-
-/// What a shader's index says.
-fn valid(index: u32) -> Option<u32> {
-    (index != INVALID).then_some(index)
-}
-
-impl RenderSettings {
-    /// Checks what cannot be rendered.
-    ///
-    /// # Errors
-    /// [`Error::Settings`] naming the setting and what it may be.
-    pub fn validate(&self, scene: &Scene) -> Result<()> {
-        let (width, height) = self.resolution;
-        let range = 1..=65_535;
-        let window = self.window();
-        let right = u64::from(window.x) + u64::from(window.width);
-        let bottom = u64::from(window.y) + u64::from(window.height);
-        let wrong = if !range.contains(&width) || !range.contains(&height) {
-            format!("resolution {width}x{height}: each side must be 1 to 65535 pixels")
-        } else if window.width == 0 || window.height == 0 {
-            "crop: width and height must be at least 1".into()
-        } else if right > u64::from(width) || bottom > u64::from(height) {
-            format!("crop: reaches to {right},{bottom}, outside the picture of {width}x{height}")
-        } else if self.spp == 0 {
-            "spp must be at least 1".into()
-        } else if !self.block_size.is_power_of_two() || self.block_size > 128 {
-            format!("block {}: must be a power of two up to 128", self.block_size)
-        } else if self.light_samples == 0 {
-            "light samples must be at least 1".into()
-        } else if self.camera >= scene.cameras.len() {
-            let n = scene.cameras.len();
-            format!("camera {}: the scene has {n}, counted from 0", self.camera)
-        } else {
-            return Ok(());
+        let mean = BlockMean {
+            mean: std::array::from_fn(|c| {
+                let share = f64::from(block.difference[c]) / f64::from(block.sample_count.max(1));
+                f64::from(block.first[c]) + share
+            }),
+            sample_count: block.sample_count,
         };
-        Err(Error::Settings(wrong))
+        self.film.add_block(x, y, mean, is_whole);
+        self.statistics.add_block((window.x + x, window.y + y), block);
     }
 }

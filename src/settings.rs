@@ -1,5 +1,9 @@
 //! What to render and how: shared by the command line, tests and viewer.
 
+use crate::scene::Scene;
+use crate::shader::generated::MOST_BLOCK_SAMPLES;
+use crate::stopping::StoppingRule;
+use crate::{Error, Result};
 use std::time::Duration;
 
 /// Settings of one render. [`Default`] is what the command line does without flags.
@@ -13,6 +17,8 @@ pub struct RenderSettings {
     pub spp: u32,
     /// Wall-clock time to stop at; whichever of this and `spp` comes first.
     pub time: Option<Duration>,
+    /// Pixels may stop before `spp`, each by its own samples.
+    pub stopping: Option<StoppingRule>,
     /// Seed of all random numbers.
     pub seed: u32,
     /// Estimator of scattered light.
@@ -91,6 +97,7 @@ impl Default for RenderSettings {
             crop: None,
             spp: 64,
             time: None,
+            stopping: None,
             seed: 0,
             strategy: Strategy::Mis,
             light_samples: 1,
@@ -111,5 +118,49 @@ impl RenderSettings {
     pub fn window(&self) -> Crop {
         let (width, height) = self.resolution;
         self.crop.unwrap_or(Crop { x: 0, y: 0, width, height })
+    }
+
+    /// The rule by which pixels stop early; none where its tolerance is 0.
+    pub fn stopping_rule(&self) -> Option<StoppingRule> {
+        self.stopping.filter(|rule| rule.tolerance() > 0.0)
+    }
+
+    /// Samples of a block: the rule's, where pixels stop early.
+    pub fn samples_per_block(&self) -> u32 {
+        self.stopping_rule().map_or(self.block_size, |rule| rule.block_size())
+    }
+
+    /// Checks what cannot be rendered.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] naming the setting and what it may be.
+    pub fn validate(&self, scene: &Scene) -> Result<()> {
+        let (width, height) = self.resolution;
+        let range = 1..=65_535;
+        let window = self.window();
+        let right = u64::from(window.x) + u64::from(window.width);
+        let bottom = u64::from(window.y) + u64::from(window.height);
+        let wrong = if !range.contains(&width) || !range.contains(&height) {
+            format!("resolution {width}x{height}: each side must be 1 to 65535 pixels")
+        } else if window.width == 0 || window.height == 0 {
+            "crop: width and height must be at least 1".into()
+        } else if right > u64::from(width) || bottom > u64::from(height) {
+            format!("crop: reaches to {right},{bottom}, outside the picture of {width}x{height}")
+        } else if self.spp == 0 {
+            "spp must be at least 1".into()
+        } else if !self.block_size.is_power_of_two() || self.block_size > MOST_BLOCK_SAMPLES {
+            let most = MOST_BLOCK_SAMPLES;
+            format!("block {}: must be a power of two up to {most}", self.block_size)
+        } else if let Some(wrong) = self.stopping.as_ref().and_then(StoppingRule::fault) {
+            wrong
+        } else if self.light_samples == 0 {
+            "light samples must be at least 1".into()
+        } else if self.camera >= scene.cameras.len() {
+            let n = scene.cameras.len();
+            format!("camera {}: the scene has {n}, counted from 0", self.camera)
+        } else {
+            return Ok(());
+        };
+        Err(Error::Settings(wrong))
     }
 }

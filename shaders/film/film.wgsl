@@ -18,12 +18,25 @@ struct FilmPixel {
     fault_sample: u32,
     fault_bounce: u32,
     fault_material: u32,
-    padding_0: u32,
-    padding_1: u32,
-    padding_2: u32,
+    // Adaptive renders, whose film is a list of the active pixels: the pixel, counted in the
+    // order of tiles, or INVALID; samples that it had before this block.
+    pixel: u32,
+    sample_base: u32,
+    // The seed's rule: sum of the squared differences of luminance to the first sample.
+    squares: f32,
 }
 
 @group(0) @binding(1) var<storage, read_write> film: array<FilmPixel>;
+
+fn film_empty(pixel: u32, sample_base: u32) -> FilmPixel {
+    var p = FilmPixel();
+    p.fault_sample = INVALID;
+    p.fault_bounce = INVALID;
+    p.fault_material = INVALID;
+    p.pixel = pixel;
+    p.sample_base = sample_base;
+    return p;
+}
 
 // Adds one sample. A sample that is not finite, or negative, counts as black and as a fault.
 fn film_add(pixel: FilmPixel, radiance: vec3<f32>, sample_index: u32) -> FilmPixel {
@@ -35,6 +48,10 @@ fn film_add(pixel: FilmPixel, radiance: vec3<f32>, sample_index: u32) -> FilmPix
         p.first = value;
     }
     p.difference += value - p.first;
+#if SEED_RULE
+    let d = luminance(value - p.first);
+    p.squares += d * d;
+#endif
     p.sample_count += 1u;
     if fault_bits != 0u {
         let b = fault_bits;

@@ -58,6 +58,11 @@ struct Frame {
     attribute_stride: u32,
     // Tiles of this dispatch.
     dispatch_tile_count: u32,
+    // Adaptive renders: most samples of a pixel.
+    sample_limit: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

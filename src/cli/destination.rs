@@ -27,6 +27,8 @@ pub(super) struct Destinations {
     pub(super) picture: Option<Picture>,
     /// Statistics.
     pub(super) stats: Option<PathBuf>,
+    /// Map of the samples taken.
+    pub(super) sample_map: Option<PathBuf>,
 }
 
 impl Destinations {
@@ -39,21 +41,32 @@ impl Destinations {
                 "--bits and --exposure are for PNG; other output has linear 32-bit floats";
             return Err(Error::Settings(message.into()));
         }
-        if let Some(stats) = &flags.stats {
-            if Some(stats) == flags.output.as_ref() {
-                let message =
-                    format!("{}: --output and --stats name the same file", stats.display());
+        let sample_map = flags.stopping.sample_map.clone();
+        if let Some(map) = &sample_map
+            && OutputFormat::from_path(map)? != OutputFormat::Png
+        {
+            let message = format!("{}: --sample-map writes a .png", map.display());
+            return Err(Error::Settings(message));
+        }
+        let named = [
+            ("--output", flags.output.as_ref()),
+            ("--stats", flags.stats.as_ref()),
+            ("--sample-map", sample_map.as_ref()),
+        ];
+        for (i, (flag, path)) in named.iter().enumerate() {
+            let Some(path) = path else { continue };
+            if let Some((other, _)) = named[..i].iter().find(|(_, p)| *p == Some(*path)) {
+                let message = format!("{}: {other} and {flag} name the same file", path.display());
                 return Err(Error::Settings(message));
             }
-            check_place(stats)?;
+            check_place(path)?;
         }
-        Ok(Self { picture, stats: flags.stats.clone() })
+        Ok(Self { picture, stats: flags.stats.clone(), sample_map })
     }
 }
 
 fn picture(path: &Path, flags: &RenderFlags) -> Result<Picture> {
     let format = OutputFormat::from_path(path)?;
-    check_place(path)?;
     let depth = match flags.picture.bits.as_deref() {
         Some("16") => BitDepth::Sixteen,
         _ => BitDepth::Eight,

@@ -1,11 +1,11 @@
 //! The flags as they are spelt. [`super::job`] gives them their meaning.
 
+use super::stopping::StoppingFlags;
 use super::talk::Verbosity;
 use super::values;
 use clap::Args;
 use glam::Vec3;
 use std::path::PathBuf;
-use std::time::Duration;
 use steradian::settings::{Accel, Crop, Sampler, Strategy};
 
 /// Flags of `render`.
@@ -46,6 +46,9 @@ pub(super) struct RenderFlags {
 
     #[command(flatten)]
     pub(super) picture: PictureFlags,
+
+    #[command(flatten)]
+    pub(super) stopping: StoppingFlags,
 
     #[command(flatten)]
     pub(super) sampling: SamplingFlags,
@@ -90,14 +93,6 @@ pub(super) struct PictureFlags {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Sampling")]
 pub(super) struct SamplingFlags {
-    /// Samples per pixel; 64 unless --time is given
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    pub(super) spp: Option<u32>,
-
-    /// Stop after this time, such as 30s, 1.5m or 2h; with --spp, whichever comes first
-    #[arg(long, value_name = "TIME", value_parser = values::duration)]
-    pub(super) time: Option<Duration>,
-
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(super) seed: u32,
@@ -124,7 +119,8 @@ pub(super) struct SamplingFlags {
 
     /// Trace in plain f64 on the processor, without a device: slow, and what the renderer is held to
     #[arg(long, conflicts_with_all = [
-        "strategy", "light_samples", "no_roulette", "sampler", "accel", "features",
+        "strategy", "light_samples", "no_roulette", "sampler", "accel", "features", "noise",
+        "adaptive",
     ])]
     pub(super) reference: bool,
 
@@ -134,7 +130,7 @@ pub(super) struct SamplingFlags {
 
     /// Samples in a block, a power of two: part of what defines the picture's bits.
     /// By default at most a quarter of the samples, and at most 16
-    #[arg(long, value_name = "N", value_parser = values::block_size)]
+    #[arg(long, value_name = "N", value_parser = values::block_size, conflicts_with_all = ["noise", "adaptive"])]
     pub(super) block: Option<u32>,
 
     /// Acceleration structure

@@ -1,6 +1,6 @@
 //! From flags and files to a scene and settings that fit each other.
 
-use super::flags::{CameraFlags, EnvironmentFlags, PictureFlags, RenderFlags, SamplingFlags};
+use super::flags::{CameraFlags, EnvironmentFlags, PictureFlags, RenderFlags};
 use super::values::MAX_SIDE;
 use glam::Mat3;
 use std::path::Path;
@@ -11,12 +11,10 @@ use steradian::{Error, RenderSettings, Result};
 
 /// Rows of a picture for which no resolution is given.
 const DEFAULT_ROWS: u32 = 512;
-/// Samples of a pixel where only the time is limited: no end in practice.
-const UNLIMITED_SPP: u32 = 1 << 31;
 /// Samples of a block where there are enough of them.
 const LARGEST_DEFAULT_BLOCK: u32 = 16;
 
-/// Most pixels of one render. Each takes about 100 bytes of memory: 25 GiB.
+/// Most pixels of one render. Each takes about 130 bytes of memory: 33 GiB.
 const MAX_PIXELS: u64 = 1 << 28;
 
 /// What to render, checked.
@@ -43,12 +41,13 @@ impl Job {
 
         let camera = find_camera(&scene.cameras, flags.camera.camera.as_deref())?;
         set_lens(&mut scene.cameras[camera], &flags.camera);
-        let requested_spp = requested_spp(&flags.sampling);
+        let requested_spp = flags.stopping.requested_spp();
         let settings = RenderSettings {
             resolution: resolution(&flags.picture, &scene.cameras[camera])?,
             crop: flags.picture.crop.or(flags.picture.pixel),
-            spp: requested_spp.unwrap_or(UNLIMITED_SPP),
-            time: flags.sampling.time,
+            spp: flags.stopping.spp_limit(),
+            time: flags.stopping.time,
+            stopping: flags.stopping.rule(),
             seed: flags.sampling.seed,
             strategy: flags.sampling.strategy,
             light_samples: flags.sampling.light_samples,
@@ -69,13 +68,6 @@ impl Job {
         let camera = &scene.cameras[settings.camera];
         scene.notices.extend(camera.precision_notice(settings.resolution));
         Ok(Self { scene, settings, requested_spp, is_reference, load_seconds })
-    }
-}
-
-fn requested_spp(flags: &SamplingFlags) -> Option<u32> {
-    match (flags.spp, flags.time) {
-        (None, Some(_)) => None,
-        (spp, _) => Some(spp.unwrap_or(RenderSettings::default().spp)),
     }
 }
 

@@ -13,6 +13,7 @@ mod render;
 mod report;
 mod signals;
 mod stats;
+mod stopping;
 pub(crate) mod talk;
 mod values;
 

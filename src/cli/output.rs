@@ -1,16 +1,17 @@
 //! The picture in a file, or one pixel as text.
 
 use super::destination::Picture;
-use super::reference;
 use super::report::Outcome;
 use super::talk;
 use super::values::{ACCELS, SAMPLERS, STRATEGIES, word_for};
+use super::{reference, stopping};
 use std::fmt::Write;
+use std::path::Path;
 use steradian::Result;
 use steradian::film::Film;
 use steradian::image::{
-    Attribute, ChannelData, ExrImage, Layer, OutputFormat, PngOptions, Precision, write_exr,
-    write_png,
+    Attribute, ChannelData, ExrImage, Layer, MapColors, OutputFormat, PngOptions, Precision,
+    sample_map, write_exr, write_png,
 };
 
 /// Writes the film's picture and what made it.
@@ -34,11 +35,26 @@ pub(super) fn write(picture: &Picture, outcome: &Outcome) -> Result<()> {
     }
 }
 
+/// Writes the map of the samples taken.
+pub(super) fn write_sample_map(path: &Path, colors: MapColors, outcome: &Outcome) -> Result<()> {
+    let film = outcome.film;
+    let (width, height) = (film.window().width, film.window().height);
+    let limit = outcome.job.requested_spp.unwrap_or(film.most_samples());
+    let map = sample_map(film.sample_counts(), (width, height), limit, colors);
+    write_png(path, &map, &PngOptions::default())
+}
+
 /// Sample counts, and where it is known the standard error of the luminance.
 fn noise_layer(film: &Film) -> Layer {
     let mut channels = vec![("samples".into(), ChannelData::U32(film.sample_counts().to_vec()))];
     if let Some(error) = film.standard_error() {
         channels.push(("standard_error".into(), ChannelData::F32(error)));
+    }
+    if let Some(stops) = film.stops() {
+        let half_widths = stops.iter().map(|stop| stop.half_width).collect();
+        channels.push(("half_width".into(), ChannelData::F32(half_widths)));
+        let reasons = stops.iter().map(|stop| stop.reason as u32).collect();
+        channels.push(("stop_reason".into(), ChannelData::U32(reasons)));
     }
     Layer { name: "noise".into(), channels }
 }
@@ -61,7 +77,7 @@ fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
         ("device", text(outcome.device)),
         ("driver", text(outcome.driver)),
         ("spp", number(outcome.film.least_samples())),
-        ("block", number(settings.block_size)),
+        ("block", number(settings.samples_per_block())),
         ("seed", number(settings.seed)),
         ("strategy", choice(text(word_for(STRATEGIES, &settings.strategy)))),
         ("sampler", choice(text(word_for(SAMPLERS, &settings.sampler)))),
@@ -74,6 +90,11 @@ fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
         ("partial", text(if outcome.is_partial() { "true" } else { "false" })),
     ];
     let mut all: Vec<_> = entries.into();
+    if let Some(rule) = settings.stopping_rule() {
+        all.push(("stopping", text(&stopping::describe(&rule))));
+        all.push(("spp_limit", number(settings.spp)));
+        all.push(("most_samples", number(outcome.film.most_samples())));
+    }
     // Only a picture that has some is marked.
     let faults: u64 = outcome.statistics.faults.iter().sum();
     if faults > 0 {

@@ -73,6 +73,9 @@ fn write(flags: &RenderFlags, destinations: &Destinations, outcome: &Outcome) ->
     if let Some(picture) = &destinations.picture {
         output::write(picture, outcome)?;
     }
+    if let Some(path) = &destinations.sample_map {
+        output::write_sample_map(path, flags.stopping.sample_map_colors, outcome)?;
+    }
     if let Some(path) = &destinations.stats {
         stats::write(path, outcome)?;
     }

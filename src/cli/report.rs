@@ -2,12 +2,14 @@
 
 use super::destination::Destinations;
 use super::job::Job;
+use super::stopping;
 use super::talk::{self, Verbosity, with_prefix};
 use std::time::Duration;
-use steradian::film::{ErrorEstimate, Film};
+use steradian::film::{ErrorEstimate, Film, PixelStop};
 use steradian::renderer::{FaultLocation, RenderStatistics};
 use steradian::scene::{Scene, Treatment};
 use steradian::shader::generated::Fault;
+use steradian::stopping::StopReason;
 
 /// All that is known when a render has ended.
 pub(super) struct Outcome<'a> {
@@ -94,6 +96,9 @@ fn summary(outcome: &Outcome, destinations: &Destinations, wall_seconds: f64) ->
     } else {
         lines.push(what);
     }
+    if let Some(map) = &destinations.sample_map {
+        lines.push(format!("sample map {}", map.display()));
+    }
     if let Some(stats) = &destinations.stats {
         lines.push(format!("statistics {}", stats.display()));
     }
@@ -105,8 +110,39 @@ fn summary(outcome: &Outcome, destinations: &Destinations, wall_seconds: f64) ->
         rate(s.samples),
         rate(s.closest_rays + s.shadow_rays),
     ));
+    if let Some(rule) = outcome.job.settings.stopping_rule() {
+        lines.extend(stopping::lines(&rule, outcome.job.settings.spp, outcome.film));
+    }
+    lines.extend(ended_by(outcome));
     lines.push(error_line(outcome.film.estimated_error().as_ref()));
     lines
+}
+
+/// Which of several limits was reached first.
+fn ended_by(outcome: &Outcome) -> Option<String> {
+    let settings = &outcome.job.settings;
+    let has_choice = settings.time.is_some() || settings.stopping_rule().is_some();
+    if outcome.is_partial() || !has_choice {
+        return None;
+    }
+    let has_all_samples = outcome.film.least_samples() >= settings.spp;
+    let unfinished = |stop: &PixelStop| stop.reason == StopReason::Unfinished;
+    let is_late = match outcome.film.stops() {
+        Some(stops) => stops.iter().any(unfinished),
+        None => !has_all_samples,
+    };
+    let limit = if is_late {
+        "the time"
+    } else if outcome
+        .film
+        .stops()
+        .is_some_and(|s| s.iter().all(|p| p.reason == StopReason::Converged))
+    {
+        "the noise"
+    } else {
+        "the samples"
+    };
+    Some(format!("ended by {limit}"))
 }
 
 fn sample_range(film: &Film) -> String {

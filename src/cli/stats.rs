@@ -1,8 +1,8 @@
 //! Statistics of a render as JSON, for programs.
 
-use super::reference;
 use super::report::Outcome;
 use super::values::{STRATEGIES, word_for};
+use super::{reference, stopping};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -37,12 +37,16 @@ struct Stats<'a> {
     /// Of every pixel at least.
     spp: u32,
     requested_spp: Option<u32>,
+    /// The rule by which pixels stop, and what came of it.
+    stopping: Option<Stopping>,
     /// Of all pixels together.
     samples: u64,
     load_seconds: f64,
     bvh_seconds: f64,
     compile_seconds: f64,
     render_seconds: f64,
+    /// Of that, keeping account of which pixels go on.
+    stopping_seconds: f64,
     rays_closest: u64,
     rays_any: u64,
     estimated_relmse: Option<f64>,
@@ -60,6 +64,34 @@ struct Stats<'a> {
     wgsl_lines: usize,
     /// Stopped by a signal.
     partial: bool,
+}
+
+/// Pixels that stop one by one.
+#[derive(Serialize)]
+struct Stopping {
+    rule: String,
+    most_samples: u32,
+    /// Times that pixels were judged.
+    decisions: u32,
+    converged_pixels: usize,
+    pixels_at_limit: usize,
+    unfinished_pixels: usize,
+}
+
+impl Stopping {
+    fn new(outcome: &Outcome) -> Option<Self> {
+        let rule = outcome.job.settings.stopping_rule()?;
+        let [unfinished_pixels, converged_pixels, pixels_at_limit] =
+            stopping::tally(outcome.film.stops()?);
+        Some(Self {
+            rule: stopping::describe(&rule),
+            most_samples: outcome.film.most_samples(),
+            decisions: outcome.statistics.decisions,
+            converged_pixels,
+            pixels_at_limit,
+            unfinished_pixels,
+        })
+    }
 }
 
 /// Where the first faulty sample is.
@@ -108,14 +140,16 @@ fn stats<'a>(outcome: &Outcome<'a>) -> Stats<'a> {
             false => word_for(STRATEGIES, &settings.strategy),
         },
         seed: settings.seed,
-        block: settings.block_size,
+        block: settings.samples_per_block(),
         spp: outcome.film.least_samples(),
         requested_spp: outcome.job.requested_spp,
+        stopping: Stopping::new(outcome),
         samples: counts.samples,
         load_seconds: outcome.job.load_seconds,
         bvh_seconds: counts.bvh_seconds,
         compile_seconds: counts.compile_seconds,
         render_seconds: counts.render_seconds,
+        stopping_seconds: counts.stopping_seconds,
         rays_closest: counts.closest_rays,
         rays_any: counts.shadow_rays,
         estimated_relmse: error.as_ref().map(|e| e.relmse),

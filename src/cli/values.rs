@@ -9,7 +9,7 @@ use steradian::settings::{Accel, Crop, Sampler, Strategy};
 /// Largest width and height of a picture.
 pub(super) const MAX_SIDE: u32 = 65535;
 
-type Parsed<T> = std::result::Result<T, String>;
+pub(super) type Parsed<T> = std::result::Result<T, String>;
 
 /// A word of the command line, what it stands for, and its help.
 pub(super) type Word<T> = (&'static str, T, &'static str);
@@ -121,6 +121,23 @@ pub(super) fn block_size(text: &str) -> Parsed<u32> {
     }
 }
 
+/// A share of a whole: a number from 0 to 1, or a percentage.
+pub(super) fn share(text: &str) -> Parsed<f32> {
+    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
+    match number.trim().parse::<f32>() {
+        Ok(value) if (0.0..=1.0).contains(&(unit * value)) => Ok(unit * value),
+        _ => Err("expected a share from 0 to 1, such as 0.05 or 5%".into()),
+    }
+}
+
+/// A confidence.
+pub(super) fn confidence(text: &str) -> Parsed<f64> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.5..1.0).contains(&value) => Ok(value),
+        _ => Err("expected a number from 0.5 to below 1, such as 0.95".into()),
+    }
+}
+
 /// Any finite number.
 pub(super) fn finite(text: &str) -> Parsed<f32> {
     match text.parse::<f32>() {
@@ -194,6 +211,10 @@ mod tests {
         assert!(["0", "3", "-2", "x", "8589934592"].iter().all(|t| block_size(t).is_err()));
         assert!(finite("-2").is_ok() && finite("nan").is_err() && finite("1e39").is_err());
         assert!(not_negative("0").is_ok() && not_negative("-0.1").is_err());
+        assert_eq!([share("0.05"), share("5%"), share("0")], [Ok(0.05), Ok(0.05), Ok(0.0)]);
+        assert!(["", "%", "-1", "1.5", "nan", "200%"].iter().all(|t| share(t).is_err()));
+        assert!(confidence("0.95").is_ok());
+        assert!(["1", "0.4", "95", "nan"].iter().all(|t| confidence(t).is_err()));
         assert!(positive("0").is_err() && positive("1e-30").is_ok());
     }
 

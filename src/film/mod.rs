@@ -5,7 +5,9 @@ mod block_means;
 
 use crate::image::Picture;
 use crate::settings::Crop;
+use crate::shader::generated::StopReason;
 use block_means::BlockMeans;
+pub(crate) use block_means::{RUNS, runs};
 
 /// Luminance below this share of the picture's mean does not make an error count more.
 const ERROR_FLOOR: f64 = 0.01;
@@ -16,7 +18,18 @@ pub struct Film {
     window: Crop,
     sum: Vec<[f64; 3]>,
     sample_count: Vec<u32>,
-    means: BlockMeans,
+    means: Vec<BlockMeans>,
+    stops: Option<Vec<PixelStop>>,
+}
+
+/// Why a pixel of an adaptive render has no more samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PixelStop {
+    /// What ended it.
+    pub reason: StopReason,
+    /// Half-width of the rule's interval of its mean luminance, W/(sr m²); infinite where it was
+    /// never judged.
+    pub half_width: f32,
 }
 
 /// What a pixel gained in one block.
@@ -50,7 +63,8 @@ impl Film {
             window,
             sum: vec![[0.0; 3]; count],
             sample_count: vec![0; count],
-            means: BlockMeans::new(count),
+            means: vec![BlockMeans::default(); count],
+            stops: None,
         }
     }
 
@@ -73,19 +87,30 @@ impl Film {
         }
         self.sample_count[i] += block.sample_count;
         if is_whole {
-            self.means.add(i, luminance(block.mean));
+            self.means[i].add(luminance(block.mean));
         }
-    }
-
-    /// Ends a round of whole blocks: every pixel has had one.
-    pub fn end_round(&mut self) {
-        self.means.end_round();
     }
 
     /// Mean radiance of a pixel by its index in the window; 0 without samples.
     fn mean(&self, i: usize) -> [f64; 3] {
         let n = f64::from(self.sample_count[i].max(1));
         self.sum[i].map(|s| s / n)
+    }
+
+    /// Mean luminance of all pixels.
+    pub fn mean_luminance(&self) -> f64 {
+        let sum: f64 = (0..self.sum.len()).map(|i| luminance(self.mean(i))).sum();
+        sum / self.sum.len() as f64
+    }
+
+    /// How every pixel of an adaptive render ended.
+    pub(crate) fn set_stops(&mut self, stops: Vec<PixelStop>) {
+        self.stops = Some(stops);
+    }
+
+    /// How every pixel ended, row by row; `None` where all have as many samples.
+    pub fn stops(&self) -> Option<&[PixelStop]> {
+        self.stops.as_deref()
     }
 
     /// Mean radiance of every pixel.
@@ -110,21 +135,21 @@ impl Film {
     }
 
     /// Standard error of every pixel's mean luminance, from the spread of the means of
-    /// 8 to 16 consecutive runs of its samples (fewer at the beginning). `None`
+    /// 8 to 15 consecutive runs of its samples (fewer at the beginning). `None`
     /// before there are two.
     pub fn standard_error(&self) -> Option<Vec<f32>> {
-        let variance = (0..self.sum.len()).map(|i| self.means.variance_of_mean(i));
+        let variance = self.means.iter().map(BlockMeans::variance_of_mean);
         variance.map(|v| v.map(|v| v.sqrt() as f32)).collect()
     }
 
     /// The picture's error by its own samples. `None` before there are two whole blocks.
     pub fn estimated_error(&self) -> Option<ErrorEstimate> {
         let n = self.sum.len() as f64;
-        let mean_luminance = (0..self.sum.len()).map(|i| luminance(self.mean(i))).sum::<f64>() / n;
+        let mean_luminance = self.mean_luminance();
         let floor = (ERROR_FLOOR * mean_luminance).powi(2);
         let mut relmse = 0.0;
         for i in 0..self.sum.len() {
-            let v = self.means.variance_of_mean(i)?;
+            let v = self.means[i].variance_of_mean()?;
             if v > 0.0 {
                 relmse += v / (luminance(self.mean(i)).powi(2) + floor);
             }
@@ -149,7 +174,6 @@ mod tests {
             let mut film = Film::new(WINDOW);
             for _ in 0..62_500 {
                 film.add_block(0, 0, block(value, 16), true);
-                film.end_round();
             }
             let mean = film.picture().rgb[0][0];
             assert!((mean - value).abs() <= 2.0 * value * f32::EPSILON, "{value}: {mean}");
@@ -175,7 +199,6 @@ mod tests {
             for i in 0..64 * 64 {
                 film.add_block(i % 64, i / 64, block(uniform(), 1), true);
             }
-            film.end_round();
         }
         // 40 blocks: ten observations of four blocks each.
         let expected = 1.0 / 12.0 / f64::from(rounds);
@@ -191,7 +214,6 @@ mod tests {
     fn one_block_gives_no_error() {
         let mut film = Film::new(WINDOW);
         film.add_block(0, 0, block(1.0, 16), true);
-        film.end_round();
         assert_eq!(film.estimated_error(), None);
         film.add_block(0, 0, block(1.0, 4), false);
         assert_eq!(film.estimated_error(), None);

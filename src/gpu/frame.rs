@@ -43,6 +43,10 @@ impl SceneBuffers {
             attribute_base: self.world.attribute_base,
             attribute_stride: self.world.attribute_stride,
             dispatch_tile_count: 0,
+            sample_limit: settings.spp,
+            padding_0: 0,
+            padding_1: 0,
+            padding_2: 0,
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::{Error, Result};
 ///
 /// # Errors
 /// [`Error::Limit`] with both numbers and the remedy.
-pub(super) fn check_binding(
+pub(crate) fn check_binding(
     info: &DeviceInfo,
     what: &str,
     bytes: usize,

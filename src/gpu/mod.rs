@@ -9,6 +9,7 @@ mod lights;
 mod limits;
 mod materials;
 mod pipeline;
+mod readback;
 mod scene;
 mod types;
 mod wide;
@@ -17,7 +18,12 @@ mod world_source;
 
 pub use batch::Batch;
 pub use device::{Device, DeviceInfo, DeviceKind};
+pub(crate) use limits::check_binding;
 pub use pipeline::{Kernel, validate};
+pub use readback::Readback;
 pub use scene::{GpuScene, SceneBuffers};
-pub use types::{GpuCamera, GpuFilmPixel, GpuFrame, GpuLight, GpuMaterial, layouts};
+pub use types::{
+    GpuCamera, GpuDispatch, GpuFilmPixel, GpuFrame, GpuLight, GpuMaterial, GpuStopping, GpuTally,
+    layouts,
+};
 pub use world::{TreeWidth, World, WorldStatistics};

@@ -47,6 +47,10 @@ gpu_struct! {
         attribute_base: u32,
         attribute_stride: u32,
         dispatch_tile_count: u32,
+        sample_limit: u32,
+        padding_0: u32,
+        padding_1: u32,
+        padding_2: u32,
     }
 }
 
@@ -62,9 +66,52 @@ gpu_struct! {
         fault_sample: u32,
         fault_bounce: u32,
         fault_material: u32,
+        pixel: u32,
+        sample_base: u32,
+        squares: f32,
+    }
+}
+
+gpu_struct! {
+    /// `stopping/tally.wgsl`.
+    "Tally" GpuTally {
+        mean: f32,
+        variance: f32,
+        largest: f32,
+        sample_count: u32,
+        half_width: f32,
+        reason: u32,
+        is_estimated: u32,
+        first: f32,
+        pending: f32,
+    }
+}
+
+gpu_struct! {
+    /// `stopping/tally.wgsl`.
+    "Stopping" GpuStopping {
+        tolerance: f32,
+        floor: f32,
+        sample_limit: u32,
+        block_size: u32,
+        least_samples: u32,
+        black_samples: u32,
+        factor: f32,
+        consistency: f32,
+        outlier_weight: f32,
+        batch: u32,
+        tile_count: u32,
         padding_0: u32,
-        padding_1: u32,
-        padding_2: u32,
+    }
+}
+
+gpu_struct! {
+    /// `stopping/dispatch.wgsl`.
+    "Dispatch" GpuDispatch {
+        x: u32,
+        y: u32,
+        z: u32,
+        active_count: u32,
     }
 }
 
@@ -118,6 +165,9 @@ pub fn layouts() -> Vec<StructLayout> {
         GpuCamera::layout(),
         GpuFrame::layout(),
         GpuFilmPixel::layout(),
+        GpuTally::layout(),
+        GpuStopping::layout(),
+        GpuDispatch::layout(),
         GpuMaterial::layout(),
         GpuLight::layout(),
     ]

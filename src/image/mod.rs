@@ -4,10 +4,12 @@
 pub mod compare;
 mod exr;
 mod png;
+mod sample_map;
 mod srgb;
 
 pub use self::exr::{Attribute, ChannelData, ExrImage, Layer, Precision, read_exr, write_exr};
 pub use self::png::{BitDepth, PngOptions, read_png, write_png};
+pub use self::sample_map::{MapColors, sample_map};
 pub use self::srgb::{linear_from_srgb, srgb_from_linear};
 
 use crate::{Error, Result};

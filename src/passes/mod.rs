@@ -1,9 +1,11 @@
-//! One file for each entry shader, of the same name.
+//! One file for each entry shader, of the same name; `adaptive` runs five that belong together.
 
+mod adaptive;
 mod float_environment;
 mod path_trace;
 mod tuning;
 
+pub use adaptive::Adaptive;
 pub use float_environment::FloatEnvironment;
 pub use path_trace::{PathTrace, Work};
 pub use tuning::Tuning;

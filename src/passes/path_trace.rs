@@ -1,14 +1,14 @@
 //! `shaders/path_trace.wgsl`: traces samples of tiles into the film buffer.
 
-use super::Tuning;
+use super::{Adaptive, Tuning};
 use crate::Result;
-use crate::gpu::{Device, GpuFilmPixel, GpuFrame, GpuScene, Kernel};
+use crate::gpu::{Device, GpuFilmPixel, GpuFrame, GpuScene, Kernel, Readback};
 use crate::shader::generated::{INVALID, TILE_PIXELS, TILE_SIDE};
 use crate::shader::{Features, generated};
 use bytemuck::Zeroable;
 
 /// One dispatch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Work {
     /// First tile of the region that the film buffer holds.
     pub region_first_tile: u32,
@@ -28,7 +28,7 @@ pub struct PathTrace {
     bind_group: wgpu::BindGroup,
     frame_buffer: wgpu::Buffer,
     film_buffer: wgpu::Buffer,
-    staging: wgpu::Buffer,
+    readback: Readback,
     frame: GpuFrame,
     workgroup_size: u32,
     wgsl_lines: usize,
@@ -40,10 +40,8 @@ impl PathTrace {
         (width.div_ceil(TILE_SIDE), height.div_ceil(TILE_SIDE))
     }
 
-    /// Bytes of the film buffer for so many tiles.
-    pub fn film_bytes(tile_count: u32) -> u64 {
-        u64::from(tile_count) * u64::from(TILE_PIXELS) * size_of::<GpuFilmPixel>() as u64
-    }
+    /// Bytes of a tile in the film buffer.
+    pub const TILE_BYTES: u64 = TILE_PIXELS as u64 * size_of::<GpuFilmPixel>() as u64;
 
     /// Column and row within the window of the pixel at `local` of a tile; the
     /// inverse of `tile_pixel` in `film/tile.wgsl`.
@@ -53,7 +51,14 @@ impl PathTrace {
         (tile % tiles_across * TILE_SIDE + x, tile / tiles_across * TILE_SIDE + y)
     }
 
-    /// Compiles for `features` and allocates the film for regions of `region_tiles`.
+    /// The inverse: place in the order of tiles of a pixel of the window.
+    pub fn index(x: u32, y: u32, tiles_across: u32) -> usize {
+        let local = (x & 3) | (x & 4) << 1 | (y & 1) << 2 | (y & 6) << 3;
+        let tile = y / TILE_SIDE * tiles_across + x / TILE_SIDE;
+        (tile * TILE_PIXELS + local) as usize
+    }
+
+    /// Compiles for `features` and allocates a film of `film_pixels`.
     ///
     /// # Errors
     /// [`crate::Error::Shader`].
@@ -63,7 +68,7 @@ impl PathTrace {
         features: Features,
         stack_size: u32,
         frame: GpuFrame,
-        region_tiles: u32,
+        film_pixels: u64,
         tuning: &Tuning,
     ) -> Result<Self> {
         let library = &tuning.library;
@@ -81,10 +86,9 @@ impl PathTrace {
         use wgpu::BufferUsages as Usage;
         let frame_buffer =
             buffer("frame", size_of::<GpuFrame>() as u64, Usage::UNIFORM | Usage::COPY_DST);
-        let film_bytes = Self::film_bytes(region_tiles);
+        let film_bytes = film_pixels * size_of::<GpuFilmPixel>() as u64;
         let film_buffer =
             buffer("film", film_bytes, Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST);
-        let staging = buffer("film copy", film_bytes, Usage::COPY_DST | Usage::MAP_READ);
         let mut buffers = vec![("frame", &frame_buffer), ("film", &film_buffer)];
         buffers.extend(scene.buffers());
         let bind_group = kernel.bind(device, &buffers);
@@ -93,7 +97,7 @@ impl PathTrace {
             bind_group,
             frame_buffer,
             film_buffer,
-            staging,
+            readback: Readback::new(device, "film copy", film_bytes),
             frame,
             workgroup_size: tuning.workgroup_size,
             wgsl_lines: composed.origins.len(),
@@ -118,11 +122,21 @@ impl PathTrace {
         device.queue.write_buffer(&self.film_buffer, 0, bytemuck::cast_slice(&vec![empty; pixels]));
     }
 
-    /// Traces one piece of work and waits for it.
+    /// Random numbers from here on are of that seed.
+    pub fn set_seed(&mut self, seed: u32) {
+        self.frame.seed = seed;
+    }
+
+    /// The uniforms and the film, for kernels that work on the same.
+    pub fn buffers(&self) -> (&wgpu::Buffer, &wgpu::Buffer) {
+        (&self.frame_buffer, &self.film_buffer)
+    }
+
+    /// Traces one piece of work and waits for it; with `adaptive`, of the pixels on its list.
     ///
     /// # Errors
     /// [`crate::Error::DeviceLost`].
-    pub fn run(&mut self, device: &Device, work: Work) -> Result<()> {
+    pub fn run(&mut self, device: &Device, work: Work, adaptive: Option<&Adaptive>) -> Result<()> {
         self.frame.region_first_tile = work.region_first_tile;
         self.frame.dispatch_first_tile = work.first_tile;
         self.frame.dispatch_tile_count = work.tile_count;
@@ -130,35 +144,27 @@ impl PathTrace {
         self.frame.sample_count = work.sample_count;
         device.queue.write_buffer(&self.frame_buffer, 0, bytemuck::bytes_of(&self.frame));
         let mut encoder = device.device.create_command_encoder(&Default::default());
+        let fitted = adaptive.map(|a| a.fit_dispatch(&mut encoder));
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());
             pass.set_pipeline(&self.kernel.pipeline);
             pass.set_bind_group(0, &self.bind_group, &[]);
-            let threads = work.tile_count * TILE_PIXELS;
-            pass.dispatch_workgroups(threads.div_ceil(self.workgroup_size), 1, 1);
+            if let Some(size) = fitted {
+                pass.dispatch_workgroups_indirect(size, 0);
+            } else {
+                let threads = work.tile_count * TILE_PIXELS;
+                pass.dispatch_workgroups(threads.div_ceil(self.workgroup_size), 1, 1);
+            }
         }
         device.queue.submit([encoder.finish()]);
         device.wait()
     }
 
-    /// The film buffer's first `tile_count` tiles, one pixel after the other.
+    /// The film buffer's first `count` pixels.
     ///
     /// # Errors
     /// [`crate::Error::DeviceLost`].
-    pub fn read(&self, device: &Device, tile_count: u32) -> Result<Vec<GpuFilmPixel>> {
-        let bytes = Self::film_bytes(tile_count);
-        let mut encoder = device.device.create_command_encoder(&Default::default());
-        encoder.copy_buffer_to_buffer(&self.film_buffer, 0, &self.staging, 0, bytes);
-        device.queue.submit([encoder.finish()]);
-        let slice = self.staging.slice(0..bytes);
-        slice.map_async(wgpu::MapMode::Read, |_| ());
-        device.wait()?;
-        let view = slice
-            .get_mapped_range()
-            .map_err(|e| crate::Error::DeviceLost(format!("reading the film: {e}")))?;
-        let pixels = bytemuck::cast_slice(&view).to_vec();
-        drop(view);
-        self.staging.unmap();
-        Ok(pixels)
+    pub fn read(&self, device: &Device, count: u32) -> Result<Vec<GpuFilmPixel>> {
+        self.readback.read(device, &self.film_buffer, count as usize)
     }
 }

@@ -178,9 +178,6 @@ impl<'a> Reference<'a> {
                     return (film, tally);
                 }
             }
-            if is_whole {
-                film.end_round();
-            }
             first += count;
         }
         (film, tally)

@@ -3,6 +3,7 @@
 
 use crate::scene::{AlphaMode, LightKind, Material, Projection, Scene};
 use crate::settings::{Accel, RenderSettings, Sampler, Strategy};
+use crate::stopping::StoppingRule;
 use std::fmt;
 
 macro_rules! features {
@@ -82,6 +83,10 @@ features! {
     Roulette = "ROULETTE",
     /// Sobol points instead of independent ones.
     Sobol = "SOBOL",
+    /// Pixels stop one by one: the film is a list of those that go on.
+    Adaptive = "ADAPTIVE",
+    /// They stop by the seed's rule, which looks at single samples.
+    SeedRule = "SEED_RULE",
 }
 
 impl Feature {
@@ -105,6 +110,8 @@ impl Feature {
                 | Hemisphere
                 | Roulette
                 | Sobol
+                | Adaptive
+                | SeedRule
         )
     }
 }
@@ -168,6 +175,11 @@ impl Features {
             .with_if(Feature::BruteForce, settings.accel == Accel::None)
             .with_if(Feature::Roulette, settings.roulette)
             .with_if(Feature::Sobol, settings.sampler == Sampler::Sobol)
+            .with_if(Feature::Adaptive, settings.stopping_rule().is_some())
+            .with_if(
+                Feature::SeedRule,
+                matches!(settings.stopping_rule(), Some(StoppingRule::Seed(_))),
+            )
     }
 
     fn with_geometry(self, scene: &Scene) -> Self {

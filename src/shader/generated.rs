@@ -15,6 +15,16 @@ pub const INVALID: u32 = u32::MAX;
 pub const PDF_DELTA: f32 = -1.0;
 /// Scattering events after which a path counts as a fault; its numbers are drawn by 12 bits of them.
 pub const PATH_LENGTH_LIMIT: u32 = 4096;
+/// Samples of a block at most: its faults are counted in 8 bits.
+pub const MOST_BLOCK_SAMPLES: u32 = 128;
+/// Runs of blocks that fill a pixel's memory; then pairs of them are merged.
+pub const RUNS: u32 = 16;
+/// Half the width of the central 95 % of a normal distribution, in standard deviations.
+pub const NORMAL_95: f32 = 1.96;
+/// Threads that sum up the tiles of a picture.
+const SCAN_THREADS: u32 = 64;
+/// The list of active pixels is filled up to a multiple of this: the largest workgroup.
+pub const LIST_PADDING: u32 = 256;
 /// `vec4`s of an instance's record in the node buffer.
 pub const TREE_RECORD_SIZE: u32 = 8;
 
@@ -75,6 +85,23 @@ pub mod texture {
     pub const WRAP_MIRROR: u32 = 1;
     /// Wrap mode: clamp to edge.
     pub const WRAP_CLAMP: u32 = 2;
+}
+
+/// Why a pixel has no more samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StopReason {
+    /// The render ended before the pixel did.
+    Unfinished = 0,
+    /// Its half-width is within the tolerance.
+    Converged = 1,
+    /// It has all samples that a pixel may have, and is not converged.
+    Limit = 2,
+}
+
+impl StopReason {
+    /// All of them, by their numbers.
+    pub const ALL: [StopReason; 3] =
+        [StopReason::Unfinished, StopReason::Converged, StopReason::Limit];
 }
 
 /// Causes of faults: each is an 8-bit count of samples in the film.
@@ -149,6 +176,12 @@ pub fn wgsl(stack_size: u32, workgroup_size: u32) -> String {
         ("FAULT_NEGATIVE", Fault::Negative as u32),
         ("FAULT_LOOP_BOUND", Fault::LoopBound as u32),
         ("FAULT_STACK", Fault::Stack as u32),
+        ("STOP_UNFINISHED", StopReason::Unfinished as u32),
+        ("STOP_CONVERGED", StopReason::Converged as u32),
+        ("STOP_LIMIT", StopReason::Limit as u32),
+        ("RUNS", RUNS),
+        ("SCAN_THREADS", SCAN_THREADS),
+        ("LIST_PADDING", LIST_PADDING),
     ];
     for (name, value) in unsigned {
         writeln!(text, "const {name}: u32 = {value}u;").unwrap();
@@ -157,6 +190,7 @@ pub fn wgsl(stack_size: u32, workgroup_size: u32) -> String {
     writeln!(text, "const GRID_MAX: f32 = {:?};", bvh::GRID_MAX as f32).unwrap();
     writeln!(text, "const MIN_DIRECTION: f32 = {:?};", bvh::MIN_DIRECTION).unwrap();
     writeln!(text, "const PDF_DELTA: f32 = {PDF_DELTA:?};").unwrap();
+    writeln!(text, "const NORMAL_95: f32 = {NORMAL_95:?};").unwrap();
     writeln!(text, "const ONE_BELOW: f32 = {:?};", 1.0_f32.next_down()).unwrap();
     text.push_str(&super::sobol::wgsl());
     text

@@ -16,6 +16,7 @@ macro_rules! files {
 /// all others are modules.
 pub fn library() -> Library {
     Library::from(files![
+        "accumulate",
         "bsdf/bsdf",
         "bsdf/dielectric",
         "bsdf/fresnel",
@@ -25,6 +26,8 @@ pub fn library() -> Library {
         "bsdf/smooth",
         "bsdf/smooth_hemisphere",
         "camera/camera",
+        "compact",
+        "dispatch_size",
         "film/fault",
         "film/film",
         "film/tile",
@@ -48,6 +51,7 @@ pub fn library() -> Library {
         "geometry/trace_packet",
         "geometry/tree_ray",
         "geometry/triangle",
+        "judge",
         "light/direct",
         "light/environment",
         "light/light",
@@ -67,6 +71,13 @@ pub fn library() -> Library {
         "sample/sampler_sobol",
         "sample/sobol",
         "sample/warp",
+        "scan",
+        "stopping/calibrated",
+        "stopping/dispatch",
+        "stopping/moments",
+        "stopping/runs",
+        "stopping/seed",
+        "stopping/tally",
         "strategy/light",
         "strategy/mis",
         "strategy/scatter",

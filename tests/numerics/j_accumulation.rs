@@ -53,7 +53,6 @@ fn film<'a>(blocks: impl IntoIterator<Item = &'a BlockMean>) -> Film {
     let mut film = Film::new(Crop { x: 0, y: 0, width: 1, height: 1 });
     for &block in blocks {
         film.add_block(0, 0, block, true);
-        film.end_round();
     }
     film
 }

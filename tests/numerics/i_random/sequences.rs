@@ -136,7 +136,6 @@ fn film_error(values: &[Vec<f64>]) -> f64 {
             let mean = mean(&of_pixel[range.clone()]);
             film.add_block(x, 0, BlockMean { mean: [mean; 3], sample_count: BLOCK }, true);
         }
-        film.end_round();
     }
     let errors = film.standard_error().unwrap();
     root_mean_square(&errors.iter().map(|&e| f64::from(e)).collect::<Vec<_>>())

@@ -1,0 +1,121 @@
+//! An adaptive render: rounds of one block for every pixel that is not converged.
+
+use super::sweep::Sweep;
+use crate::film::{Film, PixelStop};
+use crate::gpu::{Device, GpuFilmPixel};
+use crate::passes::{Adaptive, PathTrace, Tuning};
+use crate::settings::{Crop, RenderSettings};
+use crate::shader::generated::{StopReason, TILE_PIXELS};
+use crate::stopping::StoppingRule;
+use crate::{Error, Result};
+
+/// Where an adaptive render stands.
+pub(super) struct Rounds {
+    pub(super) pass: Adaptive,
+    rule: StoppingRule,
+    /// Samples of a pixel at most.
+    limit: u32,
+    pixel_count: u32,
+    /// Pixels on the list.
+    pub(super) active_count: u32,
+    pub(super) sweep: Sweep,
+}
+
+impl Rounds {
+    /// Pixels of the film buffer: all that the window has can be on the list.
+    pub(super) fn film_pixels(device: &Device, settings: &RenderSettings) -> Result<u64> {
+        let window = settings.window();
+        let (across, down) = PathTrace::tiles(window.width, window.height);
+        let pixels = Adaptive::film_pixels(across * down);
+        let fits = device.info().max_binding_size / size_of::<GpuFilmPixel>() as u64;
+        if pixels <= fits {
+            return Ok(pixels);
+        }
+        Err(Error::Limit(format!(
+            "{pixels} pixels that stop one by one: {} holds {fits} at once: render parts with \
+             --crop, or without --noise",
+            device.info().name
+        )))
+    }
+
+    /// All pixels are on the list, without samples.
+    pub(super) fn new(
+        device: &Device,
+        rule: &StoppingRule,
+        settings: &RenderSettings,
+        pass: &PathTrace,
+        tuning: &Tuning,
+    ) -> Result<Self> {
+        let window = settings.window();
+        let (across, down) = PathTrace::tiles(window.width, window.height);
+        let size = (across * down, settings.spp);
+        let mut pass = Adaptive::new(device, rule, size, pass.buffers(), tuning)?;
+        let active_count = pass.begin(device)?;
+        Ok(Self {
+            pass,
+            rule: *rule,
+            limit: settings.spp,
+            pixel_count: active_count,
+            active_count,
+            sweep: Sweep::new(active_count.div_ceil(TILE_PIXELS), rule.block_size()),
+        })
+    }
+
+    /// Begins anew.
+    pub(super) fn restart(&mut self, device: &Device) -> Result<()> {
+        let active_count = self.pass.begin(device)?;
+        self.list(active_count);
+        Ok(())
+    }
+
+    /// The next round is for so many pixels.
+    fn list(&mut self, active_count: u32) {
+        self.active_count = active_count;
+        self.sweep = Sweep::new(active_count.div_ceil(TILE_PIXELS), self.rule.block_size());
+    }
+
+    /// The round is in the film as `blocks`: begins the next. Whether pixels were judged.
+    pub(super) fn end(
+        &mut self,
+        device: &Device,
+        blocks: &[GpuFilmPixel],
+        film: &Film,
+    ) -> Result<bool> {
+        self.pass.accumulate(device, self.active_count)?;
+        let is_due = |block: &GpuFilmPixel| {
+            let count = block.sample_base + block.sample_count;
+            self.rule.decides_at(count) || count >= self.limit
+        };
+        let decides = blocks.iter().any(is_due);
+        if decides {
+            let floor = match &self.rule {
+                StoppingRule::Calibrated(rule) => rule.floor(film.mean_luminance()),
+                StoppingRule::Seed(_) => 0.0,
+            };
+            self.active_count = self.pass.decide(device, floor)?;
+        }
+        self.list(self.active_count);
+        Ok(decides)
+    }
+
+    /// Why each pixel of the window, row by row, has no more samples.
+    pub(super) fn stops(&self, device: &Device, window: Crop) -> Result<Vec<PixelStop>> {
+        let tallies = self.pass.tallies(device)?;
+        let (across, _) = PathTrace::tiles(window.width, window.height);
+        let stop = |i: u32| {
+            let tally = &tallies[PathTrace::index(i % window.width, i / window.width, across)];
+            let is_reason = |reason: &StopReason| *reason as u32 == tally.reason;
+            let reason = StopReason::ALL.into_iter().find(is_reason);
+            PixelStop {
+                reason: reason.unwrap_or(StopReason::Unfinished),
+                half_width: tally.half_width,
+            }
+        };
+        Ok((0..window.width * window.height).map(stop).collect())
+    }
+
+    /// Share of the pixels that are done.
+    pub(super) fn progress(&self) -> f64 {
+        1.0 - f64::from(self.active_count) / f64::from(self.pixel_count.max(1))
+    }
+}

@@ -1,0 +1,146 @@
+//! What the device decides is what the rules say.
+
+use super::{calibrated, render, scene, seed, with_rule};
+use crate::common::{Stage, lambert, settings};
+use glam::Vec3;
+use steradian::RenderSettings;
+use steradian::film::Film;
+use steradian::scene::LightKind;
+use steradian::stopping::{
+    CalibratedRule, Evidence, Preset, RunningSums, SeedRule, StopReason, StoppingRule,
+};
+
+fn luminance(c: [f32; 3]) -> f64 {
+    let [r, g, b] = c.map(f64::from);
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// Largest mean of a block of every pixel: differences of the sums of pictures.
+fn largest_blocks(spp: u32) -> Vec<f32> {
+    let mut before = vec![0.0; 40 * 24];
+    let mut largest = vec![0.0_f64; 40 * 24];
+    for n in (8..=spp).step_by(8) {
+        let fixed = RenderSettings { block_size: 8, ..settings(40, 24, n) };
+        let (film, _) = render(&scene(), &fixed);
+        for (i, color) in film.picture().rgb.iter().enumerate() {
+            let sum = f64::from(n) * luminance(*color);
+            largest[i] = largest[i].max((sum - before[i]) / 8.0);
+            before[i] = sum;
+        }
+    }
+    largest.into_iter().map(|v| v as f32).collect()
+}
+
+/// What the film knows of every pixel.
+fn evidence(film: &Film) -> Vec<Evidence> {
+    let errors = film.standard_error().unwrap();
+    let counts = film.sample_counts();
+    let largest = largest_blocks(film.most_samples());
+    let of_pixel = |i: usize| Evidence {
+        mean: luminance(film.picture().rgb[i]) as f32,
+        variance: errors[i].powi(2) * counts[i] as f32,
+        largest: largest[i],
+        sample_count: counts[i],
+    };
+    (0..counts.len()).map(of_pixel).collect()
+}
+
+/// With the limit at the first point of decision that counts, all pixels are judged with the
+/// same number of samples.
+fn check_decision(preset: Preset, spp: u32) {
+    let rule = CalibratedRule::new(0.1, 0.95, preset);
+    let (film, _) = render(&scene(), &with_rule(StoppingRule::Calibrated(rule), spp));
+    assert!(film.sample_counts().iter().all(|&n| n == spp));
+    let floor = rule.floor(film.mean_luminance());
+    let width = film.window().width as usize;
+    let judged = rule.judge(&evidence(&film), width, floor);
+    let stops = film.stops().unwrap();
+    let (mut done, mut differ) = (0, 0);
+    for (i, (host, device)) in judged.iter().zip(stops).enumerate() {
+        // The host has the statistics in f64, the device in f32: a thousandth is far above
+        // what rounding makes, and a neighbour more or less far above that.
+        let error = (host.half_width - device.half_width).abs();
+        assert!(
+            error <= 1e-3 * host.half_width,
+            "pixel {i}: {} on the host, {} on the device",
+            host.half_width,
+            device.half_width
+        );
+        let is_converged = device.reason == StopReason::Converged;
+        assert!(is_converged || device.reason == StopReason::Limit);
+        done += u32::from(is_converged);
+        differ += u32::from(is_converged != host.is_done);
+    }
+    assert_eq!(differ, 0, "decisions");
+    let all = stops.len() as u32;
+    assert!(done > all / 20 && done < all, "{done} of {all} pixels are done: no test");
+}
+
+#[test]
+fn the_device_judges_as_the_rule_says() {
+    check_decision(Preset::Default, 128);
+    check_decision(Preset::Strict, 256);
+}
+
+/// Samples of every pixel one by one: differences of the sums of pictures of 1 to n samples.
+fn samples(count: u32) -> Vec<Vec<f64>> {
+    let mut before = Vec::new();
+    let mut all: Vec<Vec<f64>> = Vec::new();
+    for n in 1..=count {
+        let fixed = RenderSettings { block_size: 1, ..settings(40, 24, n) };
+        let (film, _) = render(&scene(), &fixed);
+        let sums: Vec<f64> =
+            film.picture().rgb.iter().map(|c| f64::from(n) * luminance(*c)).collect();
+        before.resize(sums.len(), 0.0);
+        all.push(sums.iter().zip(&before).map(|(sum, b)| sum - b).collect());
+        before = sums;
+    }
+    all
+}
+
+#[test]
+fn the_seeds_rule_stops_where_its_formula_says() {
+    const LIMIT: u32 = 24;
+    let rule = SeedRule { batch: 8, tolerance: 0.25 };
+    let (film, _) = render(&scene(), &with_rule(StoppingRule::Seed(rule), LIMIT));
+    let samples = samples(LIMIT);
+    let mut stopped_early = 0;
+    for (i, stop) in film.stops().unwrap().iter().enumerate() {
+        let mut sums = RunningSums::default();
+        for of_picture in &samples {
+            sums.add(of_picture[i]);
+            if sums.count % rule.batch == 0 && rule.stops(&sums) {
+                break;
+            }
+        }
+        assert_eq!(film.sample_counts()[i], sums.count, "pixel {i}");
+        // Samples are differences of f32 pictures: good to 24 × 2^-24 of the sums.
+        let error = (f64::from(stop.half_width) - sums.half_width()).abs();
+        assert!(error <= 1e-4 * sums.half_width() + 1e-5 * sums.mean(), "pixel {i}");
+        assert_eq!(stop.reason == StopReason::Converged, rule.stops(&sums), "pixel {i}");
+        stopped_early += u32::from(sums.count < LIMIT);
+    }
+    assert!(stopped_early > 100, "{stopped_early} pixels stopped early: no test");
+}
+
+/// A small lit sphere in the dark: most pixels are black for ever.
+fn sphere_in_the_dark() -> steradian::scene::Scene {
+    let mut stage = Stage::orthographic(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 1.0);
+    stage.sphere(Vec3::ZERO, 0.3, lambert(0.5));
+    stage.light(LightKind::Directional { direction: -Vec3::Z }, 3.0);
+    stage.scene
+}
+
+#[test]
+fn black_among_black_takes_its_samples() {
+    let corner = |rule| {
+        let (film, _) = render(&sphere_in_the_dark(), &with_rule(rule, 2048));
+        let stops = film.stops().unwrap();
+        (film.sample_counts()[0], stops[0].reason, stops[0].half_width)
+    };
+    let black = (1024, StopReason::Converged, 0.0);
+    assert_eq!(corner(calibrated(0.1, Preset::Default)), black);
+    assert_eq!(corner(calibrated(0.1, Preset::Strict)), black);
+    // 0 ≤ 0: the seed's rule takes one batch for the answer.
+    assert_eq!(corner(seed(32, 0.1)), (32, StopReason::Converged, 0.0));
+}
