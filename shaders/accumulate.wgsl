@@ -21,20 +21,20 @@ fn main(
     let block = film[entry];
     let pixel = block.pixel;
     var t = tallies[pixel];
-    let blocks_before = t.sample_count / stopping.block_size;
+    let count_before = t.sample_count;
     t.sample_count += block.sample_count;
 #if SEED_RULE
     t = moments_add(t, block);
     let is_due = t.sample_count % stopping.batch == 0u;
 #else
-    if block.sample_count == stopping.block_size {
+    if block.sample_count % frame.block_unit == 0u {
         let mean = luminance(block.first + block.difference / f32(block.sample_count));
-        t = runs_add(t, pixel, blocks_before, mean);
+        t = runs_add(t, pixel, count_before, mean);
     }
-    let is_due = runs_decide(t.sample_count / stopping.block_size);
+    let is_due = runs_decide(t.sample_count);
 #endif
     t.is_estimated = 0u;
-    if is_due || t.sample_count >= stopping.sample_limit {
+    if is_due || t.sample_count >= frame.sample_limit {
 #if SEED_RULE
         t = moments_estimate(t);
 #else

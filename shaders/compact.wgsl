@@ -1,6 +1,7 @@
 // Makes the list of active pixels, in the order of tiles: an empty block for each.
 #import film/film
 #import stopping/tally
+#import stopping/blocks
 #import stopping/dispatch
 
 @group(0) @binding(5) var<storage, read_write> tile_counts: array<u32>;
@@ -31,7 +32,9 @@ fn main(
             rank += countOneBits(atomicLoad(&active_pixels[0]));
         }
         let entry = tile_counts[pixel / TILE_PIXELS] + rank;
-        film[entry] = film_empty(pixel, tallies[pixel].sample_count);
+        let count = tallies[pixel].sample_count;
+        film[entry] = film_empty(pixel, count);
+        atomicMax(&dispatch.block_samples, block_end(count) - count);
     }
     // What is left of the last workgroup of the path tracer holds nobody.
     let end = min((dispatch.active_count + LIST_PADDING - 1u) / LIST_PADDING * LIST_PADDING, arrayLength(&film));

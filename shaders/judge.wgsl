@@ -24,7 +24,7 @@ fn judge_pixel(pixel: u32) -> bool {
     let half_width = calibrated_half_width(pixel, own);
     let is_done = calibrated_is_done(own, half_width);
 #endif
-    let undone = select(STOP_UNFINISHED, STOP_LIMIT, own.sample_count >= stopping.sample_limit);
+    let undone = select(STOP_UNFINISHED, STOP_LIMIT, own.sample_count >= frame.sample_limit);
     let reason = select(undone, STOP_CONVERGED, is_done);
     // What neighbours read is left alone.
     tallies[pixel].half_width = half_width;

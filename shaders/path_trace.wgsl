@@ -18,6 +18,9 @@
 #if NEE
 #import light/direct
 #endif
+#if ADAPTIVE
+#import stopping/blocks
+#endif
 
 // Rays traced by this thread.
 var<private> path_ray_count: u32 = 0u;
@@ -108,7 +111,8 @@ fn main(
 #if ADAPTIVE
     let in_window = tile_pixel(pixel.pixel / TILE_PIXELS, pixel.pixel % TILE_PIXELS);
     let is_active = in_dispatch < frame.dispatch_tile_count && pixel.pixel != INVALID;
-    let sample_first = pixel.sample_base + frame.sample_first;
+    let sample_first = pixel.sample_first + frame.sample_first;
+    let sample_end = block_end(pixel.sample_first);
 #else
     let tile = frame.region_first_tile + frame.dispatch_first_tile + in_dispatch;
     let in_window = tile_pixel(tile, thread % TILE_PIXELS);
@@ -119,8 +123,8 @@ fn main(
     for (var i = 0u; i < frame.sample_count; i++) {
         let sampler_p = Sampler(at.x | (at.y << 16u), sample_first + i);
 #if ADAPTIVE
-        // A pixel's last block is as long as its limit lets it be.
-        let is_wanted = is_active && sampler_p.sample_index < frame.sample_limit;
+        // Pixels with fewer samples take shorter blocks.
+        let is_wanted = is_active && sampler_p.sample_index < sample_end;
 #else
         let is_wanted = is_active;
 #endif

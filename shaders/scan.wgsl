@@ -24,6 +24,7 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     }
     if thread == SCAN_THREADS - 1u {
         dispatch.active_count = before + sum;
+        atomicStore(&dispatch.block_samples, 0u);
     }
     for (var tile = first; tile < end; tile++) {
         let count = tile_counts[tile];

@@ -116,7 +116,7 @@ impl Renderer {
             settings: settings.clone(),
             _scene: gpu_scene,
             pass,
-            film: Film::new(settings.window()),
+            film: Film::new(settings.window(), settings.samples_per_block()),
             plan,
             statistics,
             started: None,
@@ -131,7 +131,7 @@ impl Renderer {
         self.settings.seed = seed;
         self.pass.set_seed(seed);
         self.pass.clear(&self.device);
-        self.film = Film::new(self.film.window());
+        self.film = Film::new(self.film.window(), self.settings.samples_per_block());
         self.statistics = self.statistics.without_counts();
         self.started = None;
         match &mut self.plan {
@@ -240,7 +240,6 @@ impl Renderer {
 
     fn fold_region(&mut self) -> Result<()> {
         let Plan::Fixed(schedule) = &mut self.plan else { return Ok(()) };
-        let is_block = schedule.is_full_block();
         let first_pixel = schedule.first().0 * TILE_PIXELS;
         let count = schedule.sweep.tile_count() * TILE_PIXELS;
         if schedule.sweep.is_done() {
@@ -248,7 +247,7 @@ impl Renderer {
         }
         let blocks = self.pass.read(&self.device, count)?;
         for (pixel, block) in (first_pixel..).zip(&blocks) {
-            self.fold_pixel(pixel, block, is_block);
+            self.fold_pixel(pixel, block);
         }
         self.pass.clear(&self.device);
         Ok(())
@@ -256,10 +255,9 @@ impl Renderer {
 
     fn fold_round(&mut self) -> Result<()> {
         let Plan::Adaptive(rounds) = &self.plan else { return Ok(()) };
-        let block_size = self.settings.samples_per_block();
         let blocks = self.pass.read(&self.device, rounds.active_count)?;
         for block in &blocks {
-            self.fold_pixel(block.pixel, block, block.sample_count == block_size);
+            self.fold_pixel(block.pixel, block);
         }
         let begin = Instant::now();
         let Plan::Adaptive(rounds) = &mut self.plan else { return Ok(()) };
@@ -269,7 +267,7 @@ impl Renderer {
     }
 
     /// `pixel`: its place in the order of tiles.
-    fn fold_pixel(&mut self, pixel: u32, block: &GpuFilmPixel, is_whole: bool) {
+    fn fold_pixel(&mut self, pixel: u32, block: &GpuFilmPixel) {
         let window = self.film.window();
         let tiles_across = window.width.div_ceil(TILE_SIDE);
         let (x, y) = PathTrace::pixel(pixel / TILE_PIXELS, pixel % TILE_PIXELS, tiles_across);
@@ -283,7 +281,7 @@ impl Renderer {
             }),
             sample_count: block.sample_count,
         };
-        self.film.add_block(x, y, mean, is_whole);
+        self.film.add_block(x, y, mean);
         self.statistics.add_block((window.x + x, window.y + y), block);
     }
 }

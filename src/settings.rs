@@ -125,9 +125,9 @@ impl RenderSettings {
         self.stopping.filter(|rule| rule.tolerance() > 0.0)
     }
 
-    /// Samples of a block: the rule's, where pixels stop early.
+    /// Samples of the film's smallest whole block: the rule's, where pixels stop early.
     pub fn samples_per_block(&self) -> u32 {
-        self.stopping_rule().map_or(self.block_size, |rule| rule.block_size())
+        self.stopping_rule().map_or(self.block_size, |rule| rule.unit())
     }
 
     /// Checks what cannot be rendered.

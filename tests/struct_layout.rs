@@ -3,10 +3,10 @@
 use steradian::gpu::{layouts, validate};
 use steradian::shader::{Feature, Features, compose, generated, library};
 
-fn module() -> naga::Module {
+fn module(entry: &str) -> naga::Module {
     let set = Features::default().with_all_of_scenes().with(Feature::Nee).with(Feature::Mis);
-    let composed = compose(&library(), "path_trace", set, &generated::wgsl(32, 64)).unwrap();
-    validate("path_trace", &composed).unwrap()
+    let composed = compose(&library(), entry, set, &generated::wgsl(32, 64)).unwrap();
+    validate(entry, &composed).unwrap()
 }
 
 /// (fields with offsets, span) of the WGSL struct of that name.
@@ -25,9 +25,11 @@ fn wgsl_layout(module: &naga::Module, name: &str) -> Option<(Vec<(String, usize)
 
 #[test]
 fn host_and_wgsl_agree() {
-    let module = module();
+    let modules = ["path_trace", "compact"].map(module);
     for layout in layouts() {
-        let (fields, span) = wgsl_layout(&module, layout.name)
+        let (fields, span) = modules
+            .iter()
+            .find_map(|module| wgsl_layout(module, layout.name))
             .unwrap_or_else(|| panic!("no WGSL struct {}", layout.name));
         let host: Vec<(String, usize)> =
             layout.fields.iter().map(|(n, o)| (n.to_string(), *o)).collect();
@@ -39,7 +41,7 @@ fn host_and_wgsl_agree() {
 /// The comparison sees a swap of two fields of one size.
 #[test]
 fn a_swap_is_seen() {
-    let module = module();
+    let module = module("path_trace");
     let (fields, _) = wgsl_layout(&module, "Light").unwrap();
     let mut swapped = fields.clone();
     let (a, b) = (swapped[1].0.clone(), swapped[2].0.clone());

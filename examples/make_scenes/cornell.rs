@@ -65,9 +65,15 @@ fn block(base: [[f64; 2]; 4], height: f64) -> Mesh {
     mesh
 }
 
-/// Walls, camera and light, `light_scale` times the usual one; returns the
-/// material of the white surfaces.
+/// Walls, camera and the usual light, `light_scale` times as bright; returns the material of the
+/// white surfaces.
 fn empty_box(document: &mut Document, light_scale: f64) -> MaterialId {
+    let ceiling_lamp = wall(LIGHT_QUAD);
+    box_with_light(document, light_scale, &ceiling_lamp)
+}
+
+/// Walls, camera, and a light of that shape.
+fn box_with_light(document: &mut Document, light_scale: f64, lamp: &Mesh) -> MaterialId {
     let white =
         document.material(Material { name: "white", base_color: WHITE, ..Default::default() });
     let red = document.material(Material { name: "red", base_color: RED, ..Default::default() });
@@ -85,11 +91,12 @@ fn empty_box(document: &mut Document, light_scale: f64) -> MaterialId {
         ("back wall", BACK_WALL, white),
         ("green wall", GREEN_WALL, green),
         ("red wall", RED_WALL, red),
-        ("light", LIGHT_QUAD, light),
     ] {
         let mesh = document.mesh(name, &wall(corners), material);
         document.place(name, mesh, DVec3::ZERO);
     }
+    let mesh = document.mesh("light", lamp, light);
+    document.place("light", mesh, DVec3::ZERO);
     let eye = metres([278.0, 273.0, -800.0]);
     let yfov = 2.0 * HALF_FILM_OVER_FOCAL_LENGTH.atan();
     document.camera(eye, eye + DVec3::NEG_Z, Lens::Perspective { yfov, aspect_ratio: 1.0 });
@@ -99,12 +106,30 @@ fn empty_box(document: &mut Document, light_scale: f64) -> MaterialId {
 /// The published box with its short and its tall block.
 pub(crate) fn with_blocks(document: &mut Document) {
     let white = empty_box(document, 1.0);
+    blocks(document, white);
+}
+
+fn blocks(document: &mut Document, white: MaterialId) {
     for (name, base, height) in
         [("short block", SHORT_BLOCK, SHORT_HEIGHT), ("tall block", TALL_BLOCK, TALL_HEIGHT)]
     {
         let mesh = document.mesh(name, &block(base, height), white);
         document.place(name, mesh, DVec3::ZERO);
     }
+}
+
+/// How far below the ceiling the lamp hangs that shines at it, in millimetres.
+const UPLIGHT_DROP: f64 = 120.0;
+
+/// The published blocks under a lamp that shines at the ceiling: all light but the lamp's own
+/// comes in two steps or more.
+pub(crate) fn with_uplight(document: &mut Document) {
+    let corners = LIGHT_QUAD.map(|[x, y, z]| metres([x, y - UPLIGHT_DROP, z]));
+    let middle = corners.iter().sum::<DVec3>() / 4.0;
+    // Seen from above.
+    let lamp = quad(corners, middle + DVec3::Y);
+    let white = box_with_light(document, BRIGHTER, &lamp);
+    blocks(document, white);
 }
 
 /// The usual light makes a dim picture without exposure.

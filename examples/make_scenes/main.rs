@@ -56,6 +56,13 @@ const SCENES: &[Entry] = &[
         build: cornell::with_blocks,
     },
     Entry {
+        name: "cornell-uplight",
+        kind: Kind::Picture,
+        purpose: "indirect light alone: a lamp that shines at the ceiling",
+        source: "[1], [2], own lamp",
+        build: cornell::with_uplight,
+    },
+    Entry {
         name: "cornell-spheres-diffuse",
         kind: Kind::Picture,
         purpose: "analytic spheres",

@@ -19,22 +19,22 @@ struct FilmPixel {
     fault_bounce: u32,
     fault_material: u32,
     // Adaptive renders, whose film is a list of the active pixels: the pixel, counted in the
-    // order of tiles, or INVALID; samples that it had before this block.
+    // order of tiles, or INVALID; the block's first sample.
     pixel: u32,
-    sample_base: u32,
+    sample_first: u32,
     // The seed's rule: sum of the squared differences of luminance to the first sample.
     squares: f32,
 }
 
 @group(0) @binding(1) var<storage, read_write> film: array<FilmPixel>;
 
-fn film_empty(pixel: u32, sample_base: u32) -> FilmPixel {
+fn film_empty(pixel: u32, sample_first: u32) -> FilmPixel {
     var p = FilmPixel();
     p.fault_sample = INVALID;
     p.fault_bounce = INVALID;
     p.fault_material = INVALID;
     p.pixel = pixel;
-    p.sample_base = sample_base;
+    p.sample_first = sample_first;
     return p;
 }
 

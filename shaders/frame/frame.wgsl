@@ -58,11 +58,11 @@ struct Frame {
     attribute_stride: u32,
     // Tiles of this dispatch.
     dispatch_tile_count: u32,
-    // Adaptive renders: most samples of a pixel.
+    // Adaptive renders: samples of the smallest block and of the largest, and most of a pixel.
+    block_unit: u32,
+    largest_block: u32,
     sample_limit: u32,
     padding_0: u32,
-    padding_1: u32,
-    padding_2: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -24,8 +24,8 @@ fn calibrated_half_width(pixel: u32, own: Tally) -> f32 {
         }
     }
     let n = f32(own.sample_count);
-    // As if one more block came, as bright as the brightest.
-    let outlier = max(own.largest - own.mean, 0.0) / (n / f32(stopping.block_size) + 1.0);
+    // As if one more unit came, as bright as the brightest.
+    let outlier = max(own.largest - own.mean, 0.0) / (n / f32(frame.block_unit) + 1.0);
     let variance = max(own.variance, sum / count) / n + stopping.outlier_weight * outlier * outlier;
     return stopping.factor * sqrt(variance);
 }

@@ -1,39 +1,36 @@
-// Means of 8 to 15 consecutive runs of a pixel's blocks. A run has a power of two of them; when
+// Means of 8 to 15 consecutive runs of a pixel's samples. A run has a power of two of units; when
 // sixteen runs are complete, pairs are merged. The twin of film/block_means.rs.
+#import stopping/blocks
 #import stopping/tally
 
 // Differences of the runs' means to the first block's; run by run, all pixels of each.
 @group(0) @binding(4) var<storage, read_write> runs: array<f32>;
 
-// Blocks of a run, and complete runs, of so many blocks.
-fn runs_of(block_count: u32) -> vec2<u32> {
-    let per_run = 1u << firstLeadingBit(max(block_count / (RUNS / 2u), 1u));
-    return vec2<u32>(per_run, block_count / per_run);
-}
-
 fn runs_at(pixel: u32, run: u32) -> u32 {
     return run * stopping.tile_count * TILE_PIXELS + pixel;
 }
 
-// Whether pixels are judged when they have so many blocks: at eight and at twelve runs.
-fn runs_decide(block_count: u32) -> bool {
-    let now = runs_of(block_count);
-    return now.y >= RUNS / 2u && block_count % (now.x * RUNS / 4u) == 0u;
+// Whether pixels are judged when they have so many samples: at eight and at twelve runs.
+fn runs_decide(sample_count: u32) -> bool {
+    let now = runs_of(sample_count);
+    return now.y >= RUNS / 2u && sample_count % (now.x * RUNS / 4u) == 0u;
 }
 
-// Adds the mean of a whole block to a pixel that has `block_count` of them.
-fn runs_add(tally: Tally, pixel: u32, block_count: u32, mean: f32) -> Tally {
+// Adds the mean of a block of whole units to a pixel that had `count_before` samples.
+fn runs_add(tally: Tally, pixel: u32, count_before: u32, mean: f32) -> Tally {
     var t = tally;
-    if block_count == 0u {
+    if count_before == 0u {
         t.first = mean;
     }
-    t.largest = max(t.largest, mean);
-    t.pending += mean - t.first;
-    let before = runs_of(block_count);
-    if (block_count + 1u) % before.x != 0u {
+    let units = f32(t.sample_count - count_before) / f32(frame.block_unit);
+    // What a block's excess over the mean would be, had all of it come in one unit.
+    t.largest = max(t.largest, t.mean + (mean - t.mean) * units);
+    t.pending += (mean - t.first) * units;
+    let before = runs_of(count_before);
+    if t.sample_count % before.x != 0u {
         return t;
     }
-    runs[runs_at(pixel, before.y)] = t.pending / f32(before.x);
+    runs[runs_at(pixel, before.y)] = t.pending * f32(frame.block_unit) / f32(before.x);
     t.pending = 0.0;
     if before.y + 1u == RUNS {
         for (var k = 0u; k < RUNS / 2u; k++) {
@@ -47,7 +44,7 @@ fn runs_add(tally: Tally, pixel: u32, block_count: u32, mean: f32) -> Tally {
 // Mean and variance from the complete runs.
 fn runs_estimate(tally: Tally, pixel: u32) -> Tally {
     var t = tally;
-    let n = runs_of(t.sample_count / stopping.block_size).y;
+    let n = runs_of(t.sample_count).y;
     var sum = 0.0;
     for (var k = 0u; k < n; k++) {
         sum += runs[runs_at(pixel, k)];

@@ -6,7 +6,7 @@ struct Tally {
     mean: f32,
     // Variance of one sample: that of the mean times the samples.
     variance: f32,
-    // Largest mean of a block.
+    // Largest mean of a unit, if all that a block has over the mean came in one.
     largest: f32,
     sample_count: u32,
     // Half-width of the interval of the mean, when the pixel was last judged.
@@ -17,7 +17,7 @@ struct Tally {
     is_estimated: u32,
     // Mean of the first block, to which others are held as differences.
     first: f32,
-    // Sum of the differences of the run of blocks under way; the seed's rule: sum of the
+    // Sum of the differences of the units of the run under way; the seed's rule: sum of the
     // samples' squared deviations from their mean.
     pending: f32,
 }
@@ -27,9 +27,6 @@ struct Stopping {
     tolerance: f32,
     // Luminance that darker pixels count as.
     floor: f32,
-    // Most samples of a pixel.
-    sample_limit: u32,
-    block_size: u32,
     // Samples before a pixel may stop, and before a black one may.
     least_samples: u32,
     black_samples: u32,
@@ -37,12 +34,14 @@ struct Stopping {
     factor: f32,
     // Squared difference of two means over the sum of their variances up to which a neighbour counts.
     consistency: f32,
-    // 1: a pixel's variance is as if one more block came, as bright as its brightest.
+    // 1: a pixel's variance is as if one more unit came, as bright as its brightest.
     outlier_weight: f32,
     // Samples between two decisions of the seed's rule.
     batch: u32,
     tile_count: u32,
     padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 @group(0) @binding(2) var<uniform> stopping: Stopping;

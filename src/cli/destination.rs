@@ -36,12 +36,12 @@ impl Destinations {
     pub(super) fn check(flags: &RenderFlags) -> Result<Self> {
         let picture = flags.output.as_deref().map(|path| picture(path, flags)).transpose()?;
         let is_png = picture.as_ref().is_some_and(|p| p.format == OutputFormat::Png);
-        if !is_png && (flags.picture.bits.is_some() || flags.picture.exposure.is_some()) {
+        if !is_png && (flags.job.picture.bits.is_some() || flags.job.picture.exposure.is_some()) {
             let message =
                 "--bits and --exposure are for PNG; other output has linear 32-bit floats";
             return Err(Error::Settings(message.into()));
         }
-        let sample_map = flags.stopping.sample_map.clone();
+        let sample_map = flags.sample_map.clone();
         if let Some(map) = &sample_map
             && OutputFormat::from_path(map)? != OutputFormat::Png
         {
@@ -67,11 +67,11 @@ impl Destinations {
 
 fn picture(path: &Path, flags: &RenderFlags) -> Result<Picture> {
     let format = OutputFormat::from_path(path)?;
-    let depth = match flags.picture.bits.as_deref() {
+    let depth = match flags.job.picture.bits.as_deref() {
         Some("16") => BitDepth::Sixteen,
         _ => BitDepth::Eight,
     };
-    let exposure_ev = flags.picture.exposure.unwrap_or(0.0);
+    let exposure_ev = flags.job.picture.exposure.unwrap_or(0.0);
     Ok(Picture { path: path.to_owned(), format, depth, exposure_ev })
 }
 

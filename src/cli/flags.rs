@@ -1,11 +1,13 @@
 //! The flags as they are spelt. [`super::job`] gives them their meaning.
 
-use super::stopping::StoppingFlags;
+use super::bench::{RULES, Rule};
+use super::stopping::{MAP_COLORS, StoppingFlags};
 use super::talk::Verbosity;
 use super::values;
 use clap::Args;
 use glam::Vec3;
 use std::path::PathBuf;
+use steradian::image::MapColors;
 use steradian::settings::{Accel, Crop, Sampler, Strategy};
 
 /// Flags of `render`.
@@ -32,10 +34,6 @@ pub(super) struct RenderFlags {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
 
-    /// Refuse a scene with anything that is approximated or ignored
-    #[arg(long)]
-    pub(super) strict: bool,
-
     /// Say how it was done: device, features, trees, times
     #[arg(short, long, conflicts_with = "quiet")]
     verbose: bool,
@@ -43,6 +41,25 @@ pub(super) struct RenderFlags {
     /// Say nothing but errors and warnings
     #[arg(short, long)]
     quiet: bool,
+
+    /// A picture of the samples taken, .png
+    #[arg(long, value_name = "FILE")]
+    pub(super) sample_map: Option<PathBuf>,
+
+    /// Its colours
+    #[arg(long, requires = "sample_map", value_parser = values::one_of(MAP_COLORS), default_value = "viridis")]
+    pub(super) sample_map_colors: MapColors,
+
+    #[command(flatten)]
+    pub(super) job: JobFlags,
+}
+
+/// What to render, and how: the same for every command that does.
+#[derive(Debug, Args)]
+pub(super) struct JobFlags {
+    /// Refuse a scene with anything that is approximated or ignored
+    #[arg(long)]
+    pub(super) strict: bool,
 
     #[command(flatten)]
     pub(super) picture: PictureFlags,
@@ -178,6 +195,41 @@ pub(super) struct EnvironmentFlags {
     /// Multiplies the environment's radiance
     #[arg(long, value_name = "F", value_parser = values::not_negative)]
     pub(super) environment_intensity: Option<f32>,
+}
+
+/// Flags of `bench`.
+#[derive(Debug, Args)]
+pub(super) struct BenchFlags {
+    /// The scene: a .gltf or .glb file
+    pub(super) scene: PathBuf,
+
+    /// How well the rules by which pixels stop keep their word: many runs of each against a
+    /// truth that is known to a tenth of the tolerance
+    #[arg(long, required = true, requires = "noise")]
+    pub(super) coverage: bool,
+
+    /// Runs of each rule
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(8..=10_000))]
+    pub(super) runs: u32,
+
+    /// Rules to run
+    #[arg(long, value_name = "RULE,...", value_delimiter = ',', default_value = "seed,default,strict", value_parser = values::one_of(RULES))]
+    pub(super) rules: Vec<Rule>,
+
+    /// Samples of a pixel that the truth may take
+    #[arg(long, value_name = "N", default_value_t = 262_144)]
+    pub(super) truth_spp: u32,
+
+    /// The figures as JSON
+    #[arg(long, value_name = "FILE")]
+    pub(super) json: Option<PathBuf>,
+
+    /// Name or index of the device (see `steradian devices`)
+    #[arg(long, value_name = "NAME|INDEX", env = "STERADIAN_DEVICE")]
+    pub(super) device: Option<String>,
+
+    #[command(flatten)]
+    pub(super) job: JobFlags,
 }
 
 /// Flags of `info`.

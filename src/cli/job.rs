@@ -1,6 +1,6 @@
 //! From flags and files to a scene and settings that fit each other.
 
-use super::flags::{CameraFlags, EnvironmentFlags, PictureFlags, RenderFlags};
+use super::flags::{CameraFlags, EnvironmentFlags, JobFlags, PictureFlags};
 use super::values::MAX_SIDE;
 use glam::Mat3;
 use std::path::Path;
@@ -33,9 +33,9 @@ pub(super) struct Job {
 
 impl Job {
     /// Loads the scene and settles all settings.
-    pub(super) fn new(flags: &RenderFlags) -> Result<Self> {
+    pub(super) fn new(scene: &Path, flags: &JobFlags) -> Result<Self> {
         let begin = Instant::now();
-        let mut scene = load_with(&flags.scene, &LoadOptions { strict: flags.strict })?;
+        let mut scene = load_with(scene, &LoadOptions { strict: flags.strict })?;
         set_environment(&mut scene, &flags.environment)?;
         let load_seconds = begin.elapsed().as_secs_f64();
 
@@ -157,7 +157,7 @@ fn load_environment(path: &Path, notices: &mut Vec<Notice>) -> Result<Environmen
 }
 
 /// The library would call it a crop.
-fn check_pixel(flags: &RenderFlags, settings: &RenderSettings) -> Result<()> {
+fn check_pixel(flags: &JobFlags, settings: &RenderSettings) -> Result<()> {
     let (width, height) = settings.resolution;
     match flags.picture.pixel {
         Some(pixel) if pixel.x >= width || pixel.y >= height => Err(Error::Settings(format!(

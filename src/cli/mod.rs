@@ -1,6 +1,7 @@
 //! The command line: raw flags become checked settings once, the library does
 //! the work. What was asked for goes to standard output, all else to standard error.
 
+mod bench;
 mod destination;
 mod devices;
 mod flags;
@@ -37,6 +38,8 @@ pub(crate) struct Arguments {
 enum Command {
     /// Render a picture of a scene
     Render(Box<flags::RenderFlags>),
+    /// Measure how fast and how well scenes are rendered
+    Bench(Box<flags::BenchFlags>),
     /// Say what is in a scene, and what of it is honoured, approximated or ignored
     Info(flags::InfoFlags),
     /// List the devices that can render
@@ -47,6 +50,7 @@ enum Command {
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
     match &arguments.command {
         Command::Render(flags) => render::run(flags),
+        Command::Bench(flags) => bench::run(flags),
         Command::Info(flags) => info::run(flags),
         Command::Devices => devices::run(),
     }

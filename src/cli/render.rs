@@ -29,7 +29,7 @@ pub(super) fn run(flags: &RenderFlags) -> Result<ExitCode> {
     let destinations = Destinations::check(flags)?;
     let call = Call { start, flags, destinations, verbosity };
     use_threads(flags.threads)?;
-    let job = while_busy(verbosity, "reading the scene", || Job::new(flags))?;
+    let job = while_busy(verbosity, "reading the scene", || Job::new(&flags.scene, &flags.job))?;
     if job.is_reference { reference::run(&call, &job) } else { run_on_device(&call, &job) }
 }
 
@@ -74,12 +74,12 @@ fn write(flags: &RenderFlags, destinations: &Destinations, outcome: &Outcome) ->
         output::write(picture, outcome)?;
     }
     if let Some(path) = &destinations.sample_map {
-        output::write_sample_map(path, flags.stopping.sample_map_colors, outcome)?;
+        output::write_sample_map(path, flags.sample_map_colors, outcome)?;
     }
     if let Some(path) = &destinations.stats {
         stats::write(path, outcome)?;
     }
-    match flags.picture.pixel {
+    match flags.job.picture.pixel {
         Some(pixel) => output::print_pixel((pixel.x, pixel.y), outcome),
         None => Ok(()),
     }

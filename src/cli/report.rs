@@ -209,12 +209,12 @@ mod tests {
 
     #[test]
     fn pixels_without_samples_are_counted() {
-        let mut film = Film::new(Crop { x: 0, y: 0, width: 3, height: 1 });
-        film.add_block(1, 0, BlockMean { mean: [0.5; 3], sample_count: 2 }, true);
+        let mut film = Film::new(Crop { x: 0, y: 0, width: 3, height: 1 }, 1);
+        film.add_block(1, 0, BlockMean { mean: [0.5; 3], sample_count: 2 });
         let warning = empty_warning(&film);
         assert_eq!(warning.as_deref(), Some("warning: 2 pixels have no sample and are black"));
-        film.add_block(0, 0, BlockMean { mean: [0.0; 3], sample_count: 1 }, true);
-        film.add_block(2, 0, BlockMean { mean: [0.0; 3], sample_count: 1 }, true);
+        film.add_block(0, 0, BlockMean { mean: [0.0; 3], sample_count: 1 });
+        film.add_block(2, 0, BlockMean { mean: [0.0; 3], sample_count: 1 });
         assert_eq!(empty_warning(&film), None);
     }
 

@@ -2,7 +2,6 @@
 
 use super::values::{self, Parsed};
 use clap::Args;
-use std::path::PathBuf;
 use std::time::Duration;
 use steradian::RenderSettings;
 use steradian::film::{Film, PixelStop};
@@ -59,14 +58,6 @@ pub(super) struct StoppingFlags {
     /// samples: the seed's rule, for comparison
     #[arg(long, value_name = "seed[:BATCH,TOL]", value_parser = seed_rule, conflicts_with = "noise")]
     adaptive: Option<SeedRule>,
-
-    /// A picture of the samples taken, .png
-    #[arg(long, value_name = "FILE")]
-    pub(super) sample_map: Option<PathBuf>,
-
-    /// Its colours
-    #[arg(long, requires = "sample_map", value_parser = values::one_of(MAP_COLORS), default_value = "viridis")]
-    pub(super) sample_map_colors: MapColors,
 }
 
 /// `seed`, `seed:BATCH` or `seed:BATCH,TOLERANCE`.

@@ -3,6 +3,7 @@
 //! The points of one Sobol sequence are not independent, so the spread of single
 //! samples says nothing of the error of their mean. The spread of the means of
 //! consecutive, aligned runs of a power of two does, and errs to the large side.
+//! Runs are whole units of samples: the film's smallest blocks.
 
 use crate::shader::generated;
 
@@ -15,50 +16,50 @@ pub(super) struct BlockMeans {
     /// Mean of the first block: all others are held as differences to it, so that f32
     /// tells means of long runs apart.
     first: f64,
-    /// Sum of the differences of the run that is under way.
+    /// Sum of the differences of the units of the run that is under way.
     pending: f64,
     /// Differences of the runs' means.
-    slots: [f32; RUNS],
-    /// Whole blocks so far.
-    block_count: u32,
+    runs: [f32; RUNS],
+    /// Whole units so far.
+    unit_count: u32,
 }
 
-/// Of so many blocks: the blocks of a run, and the runs that are complete.
-pub(crate) fn runs(block_count: u32) -> (u32, usize) {
-    let blocks_per_run = (block_count / (RUNS as u32 / 2)).max(1);
-    let blocks_per_run = 1 << blocks_per_run.ilog2();
-    (blocks_per_run, (block_count / blocks_per_run) as usize)
+/// Of so many units: the units of a run, and the runs that are complete.
+pub(crate) fn runs(unit_count: u32) -> (u32, usize) {
+    let units_per_run = 1 << (unit_count / (RUNS as u32 / 2)).max(1).ilog2();
+    (units_per_run, (unit_count / units_per_run) as usize)
 }
 
 impl BlockMeans {
-    /// Adds the mean of a block.
-    pub(super) fn add(&mut self, mean: f64) {
-        if self.block_count == 0 {
+    /// Adds the mean of a block of `units`: a power of two of them that is no more than the run
+    /// under way lacks.
+    pub(super) fn add(&mut self, mean: f64, units: u32) {
+        if self.unit_count == 0 {
             self.first = mean;
         }
-        self.pending += mean - self.first;
+        self.pending += (mean - self.first) * f64::from(units);
         // Runs are as long as before this block: they become longer when all slots are full.
-        let (blocks_per_run, complete) = runs(self.block_count);
-        self.block_count += 1;
-        if self.block_count % blocks_per_run != 0 {
+        let (units_per_run, complete) = runs(self.unit_count);
+        self.unit_count += units;
+        if self.unit_count % units_per_run != 0 {
             return;
         }
-        self.slots[complete] = (self.pending / f64::from(blocks_per_run)) as f32;
+        self.runs[complete] = (self.pending / f64::from(units_per_run)) as f32;
         self.pending = 0.0;
         if complete + 1 == RUNS {
             for k in 0..RUNS / 2 {
-                self.slots[k] = 0.5 * (self.slots[2 * k] + self.slots[2 * k + 1]);
+                self.runs[k] = 0.5 * (self.runs[2 * k] + self.runs[2 * k + 1]);
             }
         }
     }
 
     /// Estimated variance of the pixel's mean; `None` with fewer than two observations.
     pub(super) fn variance_of_mean(&self) -> Option<f64> {
-        let (_, n) = runs(self.block_count);
+        let (_, n) = runs(self.unit_count);
         if n < 2 {
             return None;
         }
-        let values = || self.slots[..n].iter().map(|&s| f64::from(s));
+        let values = || self.runs[..n].iter().map(|&s| f64::from(s));
         let mean = values().sum::<f64>() / n as f64;
         let squares: f64 = values().map(|v| (v - mean).powi(2)).sum();
         Some(squares / (n as f64 - 1.0) / n as f64)
@@ -72,28 +73,30 @@ mod tests {
     #[test]
     fn runs_double_when_sixteen_are_full() {
         let cases = [(0, 1, 0), (1, 1, 1), (15, 1, 15), (16, 2, 8), (17, 2, 8), (31, 2, 15)];
-        for (blocks, per_run, complete) in cases {
-            assert_eq!(runs(blocks), (per_run, complete), "{blocks}");
+        for (units, per_run, complete) in cases {
+            assert_eq!(runs(units), (per_run, complete), "{units}");
         }
         assert_eq!(runs(32), (4, 8));
         assert_eq!(runs(1000), (64, 15));
     }
 
-    /// Against the variance of means of runs that are cut from the whole sequence.
+    /// Against the means of runs that are cut from the whole sequence, with blocks of one unit
+    /// and with blocks that grow with the runs.
     #[test]
-    fn slots_hold_the_means_of_the_runs() {
+    fn runs_are_those_of_the_sequence() {
         let value = |i: u32| f64::from(i.wrapping_mul(2_654_435_769) >> 8) / 16_777_216.0;
-        let mut means = BlockMeans::default();
-        for count in 1..200_u32 {
-            means.add(value(count - 1));
-            let (per_run, complete) = runs(count);
-            let run = |k: usize| {
-                let first = k as u32 * per_run;
-                (first..first + per_run).map(value).sum::<f64>() / f64::from(per_run)
-            };
-            for k in 0..complete {
-                let held = means.first + f64::from(means.slots[k]);
-                assert!((held - run(k)).abs() < 1e-6, "{count} blocks, run {k}");
+        let mean = |first: u32, n: u32| (first..first + n).map(value).sum::<f64>() / f64::from(n);
+        for grows in [false, true] {
+            let mut means = BlockMeans::default();
+            while means.unit_count < 200 {
+                let units = if grows { runs(means.unit_count).0.min(4) } else { 1 };
+                means.add(mean(means.unit_count, units), units);
+                let (per_run, complete) = runs(means.unit_count);
+                for k in 0..complete {
+                    let held = means.first + f64::from(means.runs[k]);
+                    let expected = mean(k as u32 * per_run, per_run);
+                    assert!((held - expected).abs() < 1e-6, "{} units, run {k}", means.unit_count);
+                }
             }
         }
     }

@@ -16,6 +16,8 @@ const ERROR_FLOOR: f64 = 0.01;
 #[derive(Debug, Clone)]
 pub struct Film {
     window: Crop,
+    /// Samples of the smallest whole block.
+    unit: u32,
     sum: Vec<[f64; 3]>,
     sample_count: Vec<u32>,
     means: Vec<BlockMeans>,
@@ -56,11 +58,12 @@ fn luminance(c: [f64; 3]) -> f64 {
 }
 
 impl Film {
-    /// An empty film for a window of pixels.
-    pub fn new(window: Crop) -> Self {
+    /// An empty film for a window of pixels. `unit`: samples of the smallest whole block.
+    pub fn new(window: Crop, unit: u32) -> Self {
         let count = window.width as usize * window.height as usize;
         Self {
             window,
+            unit,
             sum: vec![[0.0; 3]; count],
             sample_count: vec![0; count],
             means: vec![BlockMeans::default(); count],
@@ -74,9 +77,9 @@ impl Film {
     }
 
     /// Folds the block of the pixel in column `x` and row `y` of the window. Blocks of
-    /// a pixel come in sample order. `is_whole`: the block has all its samples, and
-    /// counts as one observation for the variance.
-    pub fn add_block(&mut self, x: u32, y: u32, block: BlockMean, is_whole: bool) {
+    /// a pixel come in sample order. A block of whole units counts for the variance; any other
+    /// is its pixel's last.
+    pub fn add_block(&mut self, x: u32, y: u32, block: BlockMean) {
         if block.sample_count == 0 {
             return;
         }
@@ -86,8 +89,8 @@ impl Film {
             *total += m * n;
         }
         self.sample_count[i] += block.sample_count;
-        if is_whole {
-            self.means[i].add(luminance(block.mean));
+        if block.sample_count % self.unit == 0 {
+            self.means[i].add(luminance(block.mean), block.sample_count / self.unit);
         }
     }
 
@@ -171,9 +174,9 @@ mod tests {
     #[test]
     fn a_constant_pixel_stays_exact() {
         for value in [0.1_f32, 12.5, 1e4, 1e-4] {
-            let mut film = Film::new(WINDOW);
+            let mut film = Film::new(WINDOW, 16);
             for _ in 0..62_500 {
-                film.add_block(0, 0, block(value, 16), true);
+                film.add_block(0, 0, block(value, 16));
             }
             let mean = film.picture().rgb[0][0];
             assert!((mean - value).abs() <= 2.0 * value * f32::EPSILON, "{value}: {mean}");
@@ -187,7 +190,7 @@ mod tests {
     #[test]
     fn the_standard_error_is_that_of_the_mean() {
         let window = Crop { width: 64, height: 64, ..WINDOW };
-        let mut film = Film::new(window);
+        let mut film = Film::new(window, 1);
         let mut state = 1_u32;
         let mut uniform = move || {
             state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
@@ -197,7 +200,7 @@ mod tests {
         let rounds = 40;
         for _ in 0..rounds {
             for i in 0..64 * 64 {
-                film.add_block(i % 64, i / 64, block(uniform(), 1), true);
+                film.add_block(i % 64, i / 64, block(uniform(), 1));
             }
         }
         // 40 blocks: ten observations of four blocks each.
@@ -212,10 +215,10 @@ mod tests {
 
     #[test]
     fn one_block_gives_no_error() {
-        let mut film = Film::new(WINDOW);
-        film.add_block(0, 0, block(1.0, 16), true);
+        let mut film = Film::new(WINDOW, 16);
+        film.add_block(0, 0, block(1.0, 16));
         assert_eq!(film.estimated_error(), None);
-        film.add_block(0, 0, block(1.0, 4), false);
+        film.add_block(0, 0, block(1.0, 4));
         assert_eq!(film.estimated_error(), None);
         assert_eq!(film.least_samples(), 20);
     }

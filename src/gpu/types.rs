@@ -47,10 +47,10 @@ gpu_struct! {
         attribute_base: u32,
         attribute_stride: u32,
         dispatch_tile_count: u32,
+        block_unit: u32,
+        largest_block: u32,
         sample_limit: u32,
         padding_0: u32,
-        padding_1: u32,
-        padding_2: u32,
     }
 }
 
@@ -67,7 +67,7 @@ gpu_struct! {
         fault_bounce: u32,
         fault_material: u32,
         pixel: u32,
-        sample_base: u32,
+        sample_first: u32,
         squares: f32,
     }
 }
@@ -92,8 +92,6 @@ gpu_struct! {
     "Stopping" GpuStopping {
         tolerance: f32,
         floor: f32,
-        sample_limit: u32,
-        block_size: u32,
         least_samples: u32,
         black_samples: u32,
         factor: f32,
@@ -102,6 +100,8 @@ gpu_struct! {
         batch: u32,
         tile_count: u32,
         padding_0: u32,
+        padding_1: u32,
+        padding_2: u32,
     }
 }
 
@@ -112,6 +112,10 @@ gpu_struct! {
         y: u32,
         z: u32,
         active_count: u32,
+        block_samples: u32,
+        padding_0: u32,
+        padding_1: u32,
+        padding_2: u32,
     }
 }
 

@@ -13,6 +13,15 @@ use bytemuck::Zeroable;
 /// Workgroups in a row of a dispatch, at most: what every device allows.
 const MOST_GROUPS: u32 = 65_535;
 
+/// The pixels that go on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ActiveList {
+    /// How many they are.
+    pub pixel_count: u32,
+    /// Samples of the longest block that one of them takes next.
+    pub block_samples: u32,
+}
+
 /// A kernel with what it binds.
 struct Step {
     kernel: Kernel,
@@ -36,14 +45,14 @@ pub struct Adaptive {
 
 impl Adaptive {
     /// Compiles and allocates. `frame` and `film` are the path
-    /// tracer's; the window has `tile_count` tiles, and its pixels at most `sample_limit` samples.
+    /// tracer's; the window has `tile_count` tiles.
     ///
     /// # Errors
     /// [`crate::Error::Shader`], [`crate::Error::Limit`].
     pub fn new(
         device: &Device,
         rule: &StoppingRule,
-        (tile_count, sample_limit): (u32, u32),
+        tile_count: u32,
         (frame, film): (&wgpu::Buffer, &wgpu::Buffer),
         tuning: &Tuning,
     ) -> Result<Self> {
@@ -66,7 +75,7 @@ impl Adaptive {
         let runs = buffer("runs", 4 * run_floats, Usage::STORAGE);
         let tile_counts = buffer("tile counts", 4 * tile_count as usize, Usage::STORAGE);
         let dispatch = buffer("dispatch", size_of::<GpuDispatch>(), usage | Usage::INDIRECT);
-        let stopping = stopping(rule, tile_count, sample_limit);
+        let stopping = stopping(rule, tile_count);
         let uniform = Usage::UNIFORM | Usage::COPY_DST;
         let stopping_buffer = buffer("stopping", size_of::<GpuStopping>(), uniform);
         device.queue.write_buffer(&stopping_buffer, 0, bytemuck::bytes_of(&stopping));
@@ -102,11 +111,11 @@ impl Adaptive {
         })
     }
 
-    /// Begins anew, with a list of all pixels: how many they are.
+    /// Begins anew, with a list of all pixels.
     ///
     /// # Errors
     /// [`crate::Error::DeviceLost`].
-    pub fn begin(&mut self, device: &Device) -> Result<u32> {
+    pub fn begin(&mut self, device: &Device) -> Result<ActiveList> {
         let untouched = GpuTally { half_width: f32::INFINITY, ..GpuTally::zeroed() };
         let count = self.tallies.size() as usize / size_of::<GpuTally>();
         let untouched = vec![untouched; count];
@@ -130,12 +139,12 @@ impl Adaptive {
         device.wait()
     }
 
-    /// Judges all pixels and lists those that go on: how many they are. `floor`: the luminance
+    /// Judges all pixels and lists those that go on. `floor`: the luminance
     /// that darker pixels count as.
     ///
     /// # Errors
     /// [`crate::Error::DeviceLost`].
-    pub fn decide(&mut self, device: &Device, floor: f32) -> Result<u32> {
+    pub fn decide(&mut self, device: &Device, floor: f32) -> Result<ActiveList> {
         self.stopping.floor = floor;
         device.queue.write_buffer(&self.stopping_buffer, 0, bytemuck::bytes_of(&self.stopping));
         let tiles = self.stopping.tile_count;
@@ -145,7 +154,10 @@ impl Adaptive {
         self.compact.run(&mut encoder, tiles);
         device.queue.submit([encoder.finish()]);
         let dispatch: Vec<GpuDispatch> = self.dispatch_readback.read(device, &self.dispatch, 1)?;
-        Ok(dispatch[0].active_count)
+        Ok(ActiveList {
+            pixel_count: dispatch[0].active_count,
+            block_samples: dispatch[0].block_samples,
+        })
     }
 
     /// Prepares the path tracer's next dispatch; its size is in the buffer that is given back.
@@ -175,11 +187,9 @@ impl Step {
 }
 
 /// What the kernels know of the rule.
-fn stopping(rule: &StoppingRule, tile_count: u32, sample_limit: u32) -> GpuStopping {
+fn stopping(rule: &StoppingRule, tile_count: u32) -> GpuStopping {
     let common = GpuStopping {
         tolerance: rule.tolerance(),
-        sample_limit,
-        block_size: rule.block_size(),
         batch: INVALID,
         tile_count,
         ..GpuStopping::zeroed()

@@ -5,7 +5,7 @@ mod float_environment;
 mod path_trace;
 mod tuning;
 
-pub use adaptive::Adaptive;
+pub use adaptive::{ActiveList, Adaptive};
 pub use float_environment::FloatEnvironment;
 pub use path_trace::{PathTrace, Work};
 pub use tuning::Tuning;

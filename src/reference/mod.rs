@@ -158,17 +158,16 @@ impl<'a> Reference<'a> {
     pub fn render(&self, mut keep_going: impl FnMut(f64) -> bool) -> (Film, Tally) {
         let begin = Instant::now();
         let window = self.settings.window();
-        let mut film = Film::new(window);
+        let mut film = Film::new(window, self.settings.block_size);
         let mut tally = Tally::default();
         let mut first = 0;
         while first < self.settings.spp {
             let count = self.settings.block_size.min(self.settings.spp - first);
-            let is_whole = count == self.settings.block_size;
             for row in 0..window.height {
                 let pixel = |x: u32| self.block(window.x + x, window.y + row, first, count);
                 let blocks: Vec<_> = (0..window.width).into_par_iter().map(pixel).collect();
                 for (x, (block, of_block)) in (0..).zip(blocks) {
-                    film.add_block(x, row, block, is_whole);
+                    film.add_block(x, row, block);
                     tally = tally.plus(of_block);
                 }
                 let in_block = f64::from(row + 1) / f64::from(window.height) * f64::from(count);

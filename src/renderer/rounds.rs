@@ -3,7 +3,7 @@
 use super::sweep::Sweep;
 use crate::film::{Film, PixelStop};
 use crate::gpu::{Device, GpuFilmPixel};
-use crate::passes::{Adaptive, PathTrace, Tuning};
+use crate::passes::{ActiveList, Adaptive, PathTrace, Tuning};
 use crate::settings::{Crop, RenderSettings};
 use crate::shader::generated::{StopReason, TILE_PIXELS};
 use crate::stopping::StoppingRule;
@@ -18,6 +18,7 @@ pub(super) struct Rounds {
     pixel_count: u32,
     /// Pixels on the list.
     pub(super) active_count: u32,
+    /// The next block of each.
     pub(super) sweep: Sweep,
 }
 
@@ -48,30 +49,28 @@ impl Rounds {
     ) -> Result<Self> {
         let window = settings.window();
         let (across, down) = PathTrace::tiles(window.width, window.height);
-        let size = (across * down, settings.spp);
-        let mut pass = Adaptive::new(device, rule, size, pass.buffers(), tuning)?;
-        let active_count = pass.begin(device)?;
+        let mut pass = Adaptive::new(device, rule, across * down, pass.buffers(), tuning)?;
+        let list = pass.begin(device)?;
         Ok(Self {
             pass,
             rule: *rule,
             limit: settings.spp,
-            pixel_count: active_count,
-            active_count,
-            sweep: Sweep::new(active_count.div_ceil(TILE_PIXELS), rule.block_size()),
+            pixel_count: list.pixel_count,
+            active_count: list.pixel_count,
+            sweep: sweep(list),
         })
     }
 
     /// Begins anew.
     pub(super) fn restart(&mut self, device: &Device) -> Result<()> {
-        let active_count = self.pass.begin(device)?;
-        self.list(active_count);
+        let list = self.pass.begin(device)?;
+        self.next_round(list);
         Ok(())
     }
 
-    /// The next round is for so many pixels.
-    fn list(&mut self, active_count: u32) {
-        self.active_count = active_count;
-        self.sweep = Sweep::new(active_count.div_ceil(TILE_PIXELS), self.rule.block_size());
+    fn next_round(&mut self, list: ActiveList) {
+        self.active_count = list.pixel_count;
+        self.sweep = sweep(list);
     }
 
     /// The round is in the film as `blocks`: begins the next. Whether pixels were judged.
@@ -82,19 +81,20 @@ impl Rounds {
         film: &Film,
     ) -> Result<bool> {
         self.pass.accumulate(device, self.active_count)?;
-        let is_due = |block: &GpuFilmPixel| {
-            let count = block.sample_base + block.sample_count;
-            self.rule.decides_at(count) || count >= self.limit
-        };
-        let decides = blocks.iter().any(is_due);
-        if decides {
+        let counts = || blocks.iter().map(|block| block.sample_first + block.sample_count);
+        let decides = counts().any(|n| self.rule.decides_at(n) || n >= self.limit);
+        let list = if decides {
             let floor = match &self.rule {
                 StoppingRule::Calibrated(rule) => rule.floor(film.mean_luminance()),
                 StoppingRule::Seed(_) => 0.0,
             };
-            self.active_count = self.pass.decide(device, floor)?;
-        }
-        self.list(self.active_count);
+            self.pass.decide(device, floor)?
+        } else {
+            let block = |n: u32| self.rule.block_at(n).min(self.limit - n);
+            let block_samples = counts().map(block).max().unwrap_or(0);
+            ActiveList { pixel_count: self.active_count, block_samples }
+        };
+        self.next_round(list);
         Ok(decides)
     }
 
@@ -118,4 +118,8 @@ impl Rounds {
     pub(super) fn progress(&self) -> f64 {
         1.0 - f64::from(self.active_count) / f64::from(self.pixel_count.max(1))
     }
+}
+
+fn sweep(list: ActiveList) -> Sweep {
+    Sweep::new(list.pixel_count.div_ceil(TILE_PIXELS), list.block_samples)
 }

@@ -54,11 +54,6 @@ impl Schedule {
         (self.region_first, self.block_first)
     }
 
-    /// Whether the block has as many samples as every other.
-    pub(super) fn is_full_block(&self) -> bool {
-        self.sweep.is_done() && self.sweep.block_samples() == self.block_size
-    }
-
     /// The region's block is in the film: goes on with the next region or block.
     pub(super) fn next_region(&mut self) {
         self.region_first += self.sweep.tile_count();

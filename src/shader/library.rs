@@ -72,6 +72,7 @@ pub fn library() -> Library {
         "sample/sobol",
         "sample/warp",
         "scan",
+        "stopping/blocks",
         "stopping/calibrated",
         "stopping/dispatch",
         "stopping/moments",

@@ -2,8 +2,8 @@
 
 use crate::statistics::normal_quantile;
 
-/// Samples of a block: the first decision, at eight blocks, has 64 samples.
-pub(super) const BLOCK_SIZE: u32 = 8;
+/// Samples of the smallest block: the first decision, at eight of them, has 64 samples.
+pub(super) const UNIT: u32 = 8;
 
 /// Means count as at least this share of the picture's mean luminance.
 const FLOOR: f32 = 0.01;
@@ -42,7 +42,7 @@ pub struct Evidence {
     pub mean: f32,
     /// Variance of one sample: that of the mean times the samples.
     pub variance: f32,
-    /// Largest mean of a block of samples.
+    /// Largest mean of a block of samples, as it would be of the smallest block.
     pub largest: f32,
     /// Samples.
     pub sample_count: u32,
@@ -69,7 +69,8 @@ pub struct Constants {
     /// Squared difference of two means over the sum of their variances up to which a neighbour
     /// counts.
     pub consistency: f32,
-    /// 1: the pixel's variance is as if one more block came, as bright as its brightest. 0: not.
+    /// 1: the pixel's variance is as if one more of the smallest blocks came, as bright as its
+    /// brightest. 0: not.
     pub outlier_weight: f32,
 }
 
@@ -136,7 +137,7 @@ impl CalibratedRule {
             count += 1.0;
         }
         let n = own.sample_count as f32;
-        let outlier = (own.largest - own.mean).max(0.0) / (n / BLOCK_SIZE as f32 + 1.0);
+        let outlier = (own.largest - own.mean).max(0.0) / (n / UNIT as f32 + 1.0);
         let variance =
             own.variance.max(sum / count) / n + constants.outlier_weight * outlier * outlier;
         let half_width = constants.factor * variance.sqrt();

@@ -5,6 +5,7 @@
 //! arithmetic; `passes::Adaptive` does the same on the device, for all pixels at once.
 
 mod calibrated;
+pub mod coverage;
 mod seed;
 
 pub use calibrated::{CalibratedRule, Constants, Evidence, Judgement, Preset};
@@ -13,6 +14,7 @@ pub use seed::{RunningSums, SeedRule};
 pub use crate::shader::generated::StopReason;
 
 use crate::film::{RUNS, runs};
+use crate::shader::generated::MOST_BLOCK_SAMPLES;
 
 /// What a pixel's half-width is compared with.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,21 +49,36 @@ impl StoppingRule {
         }
     }
 
-    /// Samples of a block.
-    pub fn block_size(&self) -> u32 {
+    /// Samples of a unit, the smallest block.
+    pub fn unit(&self) -> u32 {
         match self {
-            Self::Calibrated(_) => calibrated::BLOCK_SIZE,
-            Self::Seed(rule) => rule.block_size(),
+            Self::Calibrated(_) => calibrated::UNIT,
+            Self::Seed(rule) => rule.unit(),
         }
+    }
+
+    /// Samples of the largest block.
+    pub fn largest_block(&self) -> u32 {
+        match self {
+            Self::Calibrated(_) => MOST_BLOCK_SAMPLES,
+            Self::Seed(rule) => rule.largest_block(),
+        }
+    }
+
+    /// Samples of the block that a pixel takes when it has `sample_count`: its runs' length, so
+    /// that the more samples it has, the less it is looked at.
+    pub fn block_at(&self, sample_count: u32) -> u32 {
+        let (units_per_run, _) = runs(sample_count / self.unit());
+        (units_per_run * self.unit()).min(self.largest_block())
     }
 
     /// Whether a pixel is judged when it has so many samples.
     pub fn decides_at(&self, sample_count: u32) -> bool {
         match self {
             Self::Calibrated(_) => {
-                let blocks = sample_count / calibrated::BLOCK_SIZE;
-                let (per_run, complete) = runs(blocks);
-                complete >= RUNS / 2 && blocks % (per_run * RUNS as u32 / 4) == 0
+                let units = sample_count / calibrated::UNIT;
+                let (per_run, complete) = runs(units);
+                complete >= RUNS / 2 && units % (per_run * RUNS as u32 / 4) == 0
             }
             Self::Seed(rule) => sample_count % rule.batch == 0,
         }
@@ -77,7 +94,10 @@ mod tests {
         let rule = StoppingRule::Calibrated(CalibratedRule::new(0.05, 0.95, Preset::Default));
         let points: Vec<u32> = (1..=128).map(|b| 8 * b).filter(|&n| rule.decides_at(n)).collect();
         assert_eq!(points, [64, 96, 128, 192, 256, 384, 512, 768, 1024]);
+        let blocks = [0, 64, 120, 128, 256, 512, 1024, 4096].map(|n| rule.block_at(n));
+        assert_eq!(blocks, [8, 8, 8, 16, 32, 64, 128, 128]);
         let rule = StoppingRule::Seed(SeedRule { batch: 10, tolerance: 0.05 });
+        assert_eq!([0, 64, 4096].map(|n| rule.block_at(n)), [2; 3]);
         assert!(rule.decides_at(10) && rule.decides_at(100) && !rule.decides_at(32));
     }
 }

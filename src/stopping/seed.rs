@@ -19,12 +19,18 @@ impl Default for SeedRule {
 }
 
 impl SeedRule {
-    /// The largest block that batches are whole multiples of, and at least four: so that a
+    /// The largest unit that batches are whole multiples of, four at least: so that a
     /// pixel that stops after one batch has an estimate of its error.
-    pub(super) fn block_size(&self) -> u32 {
+    pub(super) fn unit(&self) -> u32 {
         let most = (self.batch / 4).clamp(1, MOST_BLOCK_SAMPLES);
         let fits = |size: &u32| self.batch % size == 0;
         (1..=most).rev().find(fits).unwrap_or(1)
+    }
+
+    /// The largest block that does not reach over the end of a batch.
+    pub(super) fn largest_block(&self) -> u32 {
+        let units = self.batch / self.unit();
+        (self.unit() << units.trailing_zeros()).min(MOST_BLOCK_SAMPLES)
     }
 
     /// Whether a pixel with these sums stops.

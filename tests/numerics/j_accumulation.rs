@@ -50,9 +50,9 @@ fn device_blocks(samples: &[f32]) -> Vec<BlockMean> {
 
 /// A film of one pixel with these blocks.
 fn film<'a>(blocks: impl IntoIterator<Item = &'a BlockMean>) -> Film {
-    let mut film = Film::new(Crop { x: 0, y: 0, width: 1, height: 1 });
+    let mut film = Film::new(Crop { x: 0, y: 0, width: 1, height: 1 }, BLOCK as u32);
     for &block in blocks {
-        film.add_block(0, 0, block, true);
+        film.add_block(0, 0, block);
     }
     film
 }

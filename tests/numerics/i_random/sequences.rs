@@ -129,12 +129,12 @@ const BLOCK: u32 = 16;
 /// Standard errors that the film gives for the values of 1024 pixels, root mean square.
 fn film_error(values: &[Vec<f64>]) -> f64 {
     let window = Crop { x: 0, y: 0, width: PIXELS, height: 1 };
-    let mut film = Film::new(window);
+    let mut film = Film::new(window, BLOCK);
     for block in 0..(SPP / BLOCK) as usize {
         let range = block * BLOCK as usize..(block + 1) * BLOCK as usize;
         for (x, of_pixel) in (0..).zip(values) {
             let mean = mean(&of_pixel[range.clone()]);
-            film.add_block(x, 0, BlockMean { mean: [mean; 3], sample_count: BLOCK }, true);
+            film.add_block(x, 0, BlockMean { mean: [mean; 3], sample_count: BLOCK });
         }
     }
     let errors = film.standard_error().unwrap();
