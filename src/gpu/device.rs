@@ -1,6 +1,8 @@
 //! Adapters, and the device that everything runs on.
 
+use super::Kernel;
 use crate::{Error, Result};
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
 /// What to do where no device is found.
@@ -45,6 +47,8 @@ pub struct DeviceInfo {
 pub struct Device {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
+    /// Those that were compiled, by their texts.
+    pub(super) kernels: Mutex<HashMap<String, Kernel>>,
     info: DeviceInfo,
     /// The first error that no call reported.
     failure: Arc<Mutex<Option<String>>>,
@@ -146,7 +150,7 @@ impl Device {
                 keep_first(&on_loss, format!("device lost: {message}"));
             }
         });
-        Ok(Self { device, queue, info, failure })
+        Ok(Self { device, queue, kernels: Mutex::default(), info, failure })
     }
 
     /// Whether packets pay: a processor whose vector registers hold subgroups of eight.

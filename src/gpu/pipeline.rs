@@ -6,7 +6,8 @@ use crate::shader::{Composed, Features, Library, compose};
 use crate::{Error, Result};
 use std::collections::BTreeMap;
 
-/// A compute pipeline and what it binds.
+/// A compute pipeline and what it binds. A clone is the same pipeline.
+#[derive(Debug, Clone)]
 pub struct Kernel {
     pub(crate) pipeline: wgpu::ComputePipeline,
     bindings: BTreeMap<String, u32>,
@@ -47,7 +48,8 @@ fn analyse(entry: &str, composed: &Composed) -> Result<(naga::Module, naga::vali
 }
 
 impl Kernel {
-    /// Compiles the entry point `main` of `entry` for `features`.
+    /// Compiles the entry point `main` of `entry` for `features`, or gives what this device has
+    /// compiled from the same text before.
     ///
     /// # Errors
     /// [`Error::Shader`].
@@ -59,6 +61,9 @@ impl Kernel {
         generated: &str,
     ) -> Result<Self> {
         let composed = compose(library, entry, features, generated)?;
+        if let Some(kernel) = device.kernels.lock().unwrap().get(&composed.text) {
+            return Ok(kernel.clone());
+        }
         let (module, info) = analyse(entry, &composed)?;
         // The layout has what the entry point uses, not all that its modules declare.
         let main = info.get_entry_point(0);
@@ -71,7 +76,7 @@ impl Kernel {
         let scope = device.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let shader = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(entry),
-            source: wgpu::ShaderSource::Wgsl(composed.text.into()),
+            source: wgpu::ShaderSource::Wgsl(composed.text.as_str().into()),
         });
         let pipeline = device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(entry),
@@ -87,7 +92,9 @@ impl Kernel {
         if let Some(e) = pollster::block_on(scope.pop()) {
             return Err(Error::Shader { entry: entry.to_owned(), message: e.to_string() });
         }
-        Ok(Self { pipeline, bindings })
+        let kernel = Self { pipeline, bindings };
+        device.kernels.lock().unwrap().insert(composed.text, kernel.clone());
+        Ok(kernel)
     }
 
     /// Binds each buffer to the variable of its name; those that the kernel does not have are left out.

@@ -16,6 +16,10 @@ use crate::shader::generated::{PRIMITIVE_HAS_ALPHA, TREE_RECORD_SIZE};
 use crate::{Error, Result};
 use glam::{Affine3A, Vec3};
 
+/// What stack sizes are multiples of. Workgroups of 64 then take 2 KiB more at a time, and scenes
+/// share the kernels that their drivers have compiled.
+const STACK_STEP: u32 = 8;
+
 /// Geometry in the form of the device's buffers.
 #[derive(Debug, Default)]
 pub struct World {
@@ -172,10 +176,12 @@ impl World {
             top.bvh.nodes.len() + below.iter().map(|t| t.bvh.nodes.len()).sum::<usize>();
         // At most one link a level for every child but the one that is entered, the end
         // mark, and the mark of the way back from an instance.
-        self.stack_size = match self.width {
+        let links = match self.width {
             TreeWidth::Two => self.statistics.tree_depth + 2,
             TreeWidth::Four => 3 * (wide::depth(&top.bvh) + deepest_wide) + 2,
         };
+        // In steps: trees of about the same depth have the same kernel.
+        self.stack_size = links.next_multiple_of(STACK_STEP);
     }
 
     /// Appends a tree's nodes and records; gives the link to its root. `instance_records`

@@ -24,30 +24,30 @@ pub(crate) use stage::{Stage, emitter, lambert, quad_mesh, with_uvs};
 pub(crate) use world::{BUILDERS, Primitive, World, items, random_ray, scene_of, soup};
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use steradian::film::Film;
 use steradian::gpu::Device;
 use steradian::scene::{Scene, gltf};
 use steradian::{RenderSettings, Renderer};
 
-/// The device that all tests of a program share.
+/// Calls `use_it` with a device that no other test uses meanwhile: an error is reported to whoever
+/// waits for a device next. Tests that run side by side have one each, because a device compiles
+/// its kernels one after the other.
 ///
 /// # Panics
 /// Without one: a test on the device that does not run must not pass.
-pub(crate) fn device() -> Arc<Device> {
-    static DEVICE: OnceLock<Arc<Device>> = OnceLock::new();
+pub(crate) fn with_device<T>(use_it: impl FnOnce(Arc<Device>) -> T) -> T {
+    static IDLE: Mutex<Vec<Arc<Device>>> = Mutex::new(Vec::new());
+    let idle = || IDLE.lock().unwrap_or_else(PoisonError::into_inner);
     let open = || match Device::open(None) {
         Ok(device) => Arc::new(device),
         Err(error) => panic!("these tests need a Vulkan device: {error}"),
     };
-    DEVICE.get_or_init(open).clone()
-}
-
-/// One test at a time: an error is reported to whoever waits for the device next.
-pub(crate) fn with_device<T>(use_it: impl FnOnce(Arc<Device>) -> T) -> T {
-    static TURN: Mutex<()> = Mutex::new(());
-    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    use_it(device())
+    let taken = idle().pop();
+    let device = taken.unwrap_or_else(open);
+    let result = use_it(device.clone());
+    idle().push(device);
+    result
 }
 
 /// Settings of a picture of `width` by `height` pixels.

@@ -19,6 +19,7 @@ mod i_random;
 mod j_accumulation;
 mod k_camera;
 mod l_determinism;
+mod l_first_hits;
 mod planted_defects;
 mod probe;
 mod traced;

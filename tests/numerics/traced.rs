@@ -1,6 +1,6 @@
 //! The renderer's own traversals on the device, for arrays of rays over a scene.
 
-use crate::common::{Call, device, harness, settings};
+use crate::common::{Call, harness, settings, with_device};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use steradian::RenderSettings;
@@ -25,7 +25,8 @@ pub(crate) enum Walk {
 impl Walk {
     /// Those that the device's renders may use.
     pub(crate) fn each() -> impl Iterator<Item = Self> {
-        let offered = |walk: &Self| *walk != Self::Packets || device().traces_packets();
+        let has_packets = with_device(|device| device.traces_packets());
+        let offered = move |walk: &Self| *walk != Self::Packets || has_packets;
         [Self::Lane, Self::Packets, Self::BruteForce].into_iter().filter(offered)
     }
 

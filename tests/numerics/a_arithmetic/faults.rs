@@ -15,9 +15,18 @@ fn is_struck(x: u32, y: u32, sample: u32) -> bool {
     (x * 7919 + y * 104_729 + sample * 1_299_709) % 1009 == 17
 }
 
-/// Renders a closed box in which every path goes on for five bounces, with `radiance` added at
-/// the vertex of index `bounce` of the struck samples.
-fn render_with(bounce: u32, radiance: &str) -> (RenderStatistics, Vec<f32>) {
+/// Bounce at which a struck sample gets a radiance, the radiance, and what it is counted as. The
+/// picture's seed is the index of the one that is injected, so that all need one kernel; of the
+/// struck paths of these seeds none has ended at the lamp.
+const STRIKES: [(u32, &str, Fault); 3] = [
+    (3, "-1e9", Fault::Negative),
+    (2, "p.ray.t_max * p.ray.t_max", Fault::NonFinite),
+    (0, "p.ray.t_max * 0.0 / (0.0 * p.throughput.x)", Fault::NonFinite),
+];
+
+/// Renders a closed box in which every path goes on for five bounces, with the strike of that
+/// index, if there is one, at the struck samples.
+fn render_with(strike: usize) -> (RenderStatistics, Vec<f32>) {
     let mut stage = Stage::perspective(Vec3::ZERO, -Vec3::Z, 1.0);
     for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
         let (u, v) = (axis.any_orthonormal_vector(), axis.cross(axis.any_orthonormal_vector()));
@@ -29,18 +38,30 @@ fn render_with(bounce: u32, radiance: &str) -> (RenderStatistics, Vec<f32>) {
     let path_trace = tuning.library.get_mut("path_trace").unwrap();
     let watch = "fault_watch(p.radiance, bounce, material);\n        p.is_alive = p.is_alive";
     assert!(path_trace.contains(watch));
-    let strike = format!(
+    let strikes: String = (0..)
+        .zip(STRIKES)
+        .map(|(k, (bounce, radiance, _))| {
+            format!(
+                "if is_struck && frame.seed == {k}u && bounce == {bounce}u {{
+                    p.radiance.y += {radiance};
+                }}\n"
+            )
+        })
+        .collect();
+    let strikes = format!(
         "let at = vec2<u32>(sampler_p.pixel & 0xffffu, sampler_p.pixel >> 16u);
-        if bounce == {bounce}u && p.is_alive && (at.x * 7919u + at.y * 104729u
-            + sampler_p.sample_index * 1299709u) % 1009u == 17u {{
-            p.radiance += vec3<f32>(0.0, {radiance}, 0.0);
-        }}
-        {watch}"
+        let is_struck = p.is_alive && (at.x * 7919u + at.y * 104729u
+            + sampler_p.sample_index * 1299709u) % 1009u == 17u;
+        {strikes}{watch}"
     );
-    *path_trace = path_trace.replace(watch, &strike).into();
+    *path_trace = path_trace.replace(watch, &strikes).into();
     // A sphere may hide a wall from a camera path: no roulette, and bounces that all can make.
-    let settings =
-        RenderSettings { roulette: false, max_bounces: Some(4), ..settings(SIDE, SIDE, SPP) };
+    let settings = RenderSettings {
+        roulette: false,
+        max_bounces: Some(4),
+        seed: strike as u32,
+        ..settings(SIDE, SIDE, SPP)
+    };
     with_device(|device| {
         let mut renderer = Renderer::with_tuning(device, &stage.scene, &settings, &tuning).unwrap();
         while renderer.step().unwrap() {}
@@ -62,14 +83,8 @@ fn struck() -> (u64, Vec<(u32, u32, u32)>) {
 fn a3_injected_faults_are_counted_located_and_leave_no_trace_in_the_picture() {
     let (count, places) = struck();
     assert!((8..64).contains(&count), "{count}");
-    let quotient = "p.ray.t_max * 0.0 / (0.0 * p.throughput.x)";
-    let overflow = "p.ray.t_max * p.ray.t_max";
-    for (bounce, radiance, cause) in [
-        (0, quotient, Fault::NonFinite),
-        (2, overflow, Fault::NonFinite),
-        (3, "-1e9", Fault::Negative),
-    ] {
-        let (statistics, picture) = render_with(bounce, radiance);
+    for (k, (bounce, radiance, cause)) in STRIKES.into_iter().enumerate() {
+        let (statistics, picture) = render_with(k);
         let mut expected = [0; 4];
         expected[cause as usize] = count;
         let what = format!("{radiance} at bounce {bounce}");
@@ -86,7 +101,7 @@ fn a3_injected_faults_are_counted_located_and_leave_no_trace_in_the_picture() {
 
 #[test]
 fn a3_nothing_is_counted_where_nothing_is_wrong() {
-    let (statistics, _) = render_with(0, "0.0");
+    let (statistics, _) = render_with(STRIKES.len());
     assert_eq!(statistics.faults, [0; 4]);
     assert_eq!(statistics.first_fault, None);
 }
