@@ -6,6 +6,7 @@ mod common;
 
 mod bits;
 mod decisions;
+mod populations;
 
 use common::{bundled, settings, with_device};
 use steradian::RenderSettings;
