@@ -1,0 +1,115 @@
+//! Trees by the surface area heuristic and by medians, and no tree.
+
+use crate::error::{epsilon, error, largest_difference};
+use crate::page::{commands, sheet, short, table};
+use crate::renders::{FOLDER, Job, Program, Shot, bundled, make_scenes};
+use crate::trees_count::{Figures, Triangles};
+
+const SIDE: u32 = 64;
+const SPP: u32 = 32;
+const REFERENCE_SPP: u32 = 512;
+/// Pixels of a side for which rays are counted.
+const COUNTED: u32 = 128;
+/// Cells of the knot along and around; the last statue is the bundled one.
+const KNOTS: [&str; 3] = ["60x6", "180x10", "700x35"];
+
+fn job(scene: &str, spp: u32, accel: &str) -> Job {
+    Job::new(scene, SIDE, spp, &format!("--max-bounces 1 --accel {accel}"))
+}
+
+/// One size of the statue.
+struct Size {
+    triangles: Triangles,
+    sah: Shot,
+    reference: Shot,
+    rows: Vec<Vec<String>>,
+    shots: Vec<Shot>,
+    /// Largest difference between the pictures with and without a tree.
+    difference: f64,
+}
+
+fn measure(program: &Program, scene: &str) -> Result<Size, String> {
+    let triangles = Triangles::load(scene, COUNTED)?;
+    let sah = program.shot(&job(scene, SPP, "bvh"))?;
+    let median = program.shot(&job(scene, SPP, "median"))?;
+    let one = program.shot(&job(scene, 1, "bvh"))?;
+    // Every ray tests every triangle: one sample is enough to wait for.
+    let none = program.shot(&job(scene, 1, "none"))?;
+    let reference = program.shot(&job(scene, SPP, "bvh").reference(REFERENCE_SPP))?;
+    let count = triangles.len();
+    let row = |way: &str, figures: Option<Figures>, shot: &Shot, spp: u32| {
+        let exact = count as f64;
+        let (build, nodes, tests) = figures.map_or((String::new(), 0.0, exact), |f| {
+            (format!("{:.1} ms", 1e3 * f.build_seconds), f.nodes, f.triangles)
+        });
+        let frame = 1e3 * shot.seconds / f64::from(spp);
+        let e = if spp == SPP { error(&shot.picture, &reference.picture) } else { f64::NAN };
+        vec![
+            count.to_string(),
+            way.to_owned(),
+            build,
+            format!("{nodes:.1}"),
+            format!("{tests:.1}"),
+            format!("{frame:.1} ms"),
+            if e.is_nan() { String::new() } else { short(e) },
+        ]
+    };
+    let rows = vec![
+        row("none", None, &none, 1),
+        row("median", Some(triangles.median()), &median, SPP),
+        row("SAH", Some(triangles.sah()), &sah, SPP),
+    ];
+    let difference = largest_difference(&none.picture, &one.picture)
+        .max(largest_difference(&median.picture, &sah.picture));
+    Ok(Size { triangles, sah, reference, rows, shots: vec![median, one, none], difference })
+}
+
+/// Four sizes of the statue.
+pub(crate) fn run(program: &Program) -> Result<String, String> {
+    let mut scenes = Vec::new();
+    let mut lines = Vec::new();
+    for knot in KNOTS {
+        let arguments = format!("--knot {knot} --out {FOLDER}/scenes");
+        make_scenes(&arguments)?;
+        lines.push(format!("cargo run --release --example make_scenes -- {arguments}"));
+        scenes.push(format!("{FOLDER}/scenes/statue-{knot}/statue-{knot}.gltf"));
+    }
+    scenes.push(bundled("statue"));
+    let sizes: Vec<Size> =
+        scenes.iter().map(|scene| measure(program, scene)).collect::<Result<_, _>>()?;
+    let pictures: Vec<_> = sizes.iter().map(|size| (&size.sah.picture, 0.0)).collect();
+    let largest = sizes.iter().map(|size| size.difference).fold(0.0, f64::max);
+    let counts: Vec<_> = sizes.iter().map(|size| size.triangles.len().to_string()).collect();
+    let epsilons: Vec<_> = sizes.iter().map(|size| epsilon(&size.reference.picture)).collect();
+    for size in &sizes {
+        let shots = [&size.sah, &size.reference].into_iter().chain(&size.shots);
+        lines.extend(shots.map(|shot| shot.command.clone()));
+    }
+    let rows = sizes.iter().flat_map(|size| size.rows.clone());
+    let head = [
+        "triangles",
+        "tree",
+        "build",
+        "nodes per ray",
+        "triangles per ray",
+        "time of a frame",
+        "error",
+    ];
+    Ok(format!(
+        "{}\n\
+         The statue with {} triangles, of which 1,656 are the room and the plinth; direct light, {SPP}\n\
+         samples per pixel. Nodes (of two boxes) and triangles that a camera ray is tested\n\
+         against are counted on the processor by the twin of the shaders' traversal, for the\n\
+         {COUNTED}x{COUNTED} rays through the centres of pixels; the device itself walks four boxes a node in packets\n\
+         of eight rays where it can. A frame is {SIDE}x{SIDE} pixels at one sample per pixel, two rays a\n\
+         sample. Builds are the best of three by the clock. The pictures with and without a tree, and\n\
+         by either split, differ by {} of the mean luminance at most in any pixel.\n\n{}\n\
+         Errors against {REFERENCE_SPP} samples per pixel of the same scene, ε {}.\n\n{}",
+        sheet("trees", "Four sizes of the statue", &pictures, 4, 3)?,
+        counts.join(", "),
+        short(largest),
+        table(&head, rows),
+        epsilons.join(", "),
+        commands(lines.iter().map(String::as_str)),
+    ))
+}
