@@ -1,7 +1,7 @@
 //! What each bounce brings, and what a limit on bounces takes away.
 
 use crate::error::{epsilon, error, largest_difference, luminance, sum};
-use crate::page::{commands, sheet, short, table};
+use crate::page::{commands, sheet, short, table, time};
 use crate::renders::{Job, Program, Shot, bundled};
 use steradian::image::Picture;
 
@@ -42,21 +42,22 @@ pub(crate) fn parts(program: &Program) -> Result<String, String> {
     let [direct_reference, whole_reference] =
         [2, references.len()].map(|count| sum_of_first(&references, count));
 
-    let row = |what: String, picture: &Picture, reference: &Picture, time: String| {
+    let row = |what: String, picture: &Picture, reference: &Picture, seconds: String| {
         let share = 100.0 * luminance(picture) / luminance(&whole.picture);
         let e = short(error(picture, reference));
-        vec![what, format!("{share:.2} %"), e, epsilon(reference), time]
+        vec![what, format!("{share:.2} %"), e, epsilon(reference), seconds]
     };
-    let seconds = |shot: &Shot| format!("{:.1} s", shot.seconds);
     let mut rows: Vec<_> = alone
         .iter()
         .zip(&references)
         .enumerate()
-        .map(|(k, (s, r))| row(format!("bounce {k} alone"), &s.picture, &r.picture, seconds(s)))
+        .map(|(k, (s, r))| {
+            row(format!("bounce {k} alone"), &s.picture, &r.picture, time(s.seconds))
+        })
         .collect();
-    rows.push(row("direct".into(), &direct.picture, &direct_reference, seconds(&direct)));
+    rows.push(row("direct".into(), &direct.picture, &direct_reference, time(direct.seconds)));
     rows.push(row("indirect: 2 to 5 added".into(), &indirect, &indirect_reference, String::new()));
-    rows.push(row("whole".into(), &whole.picture, &whole_reference, seconds(&whole)));
+    rows.push(row("whole".into(), &whole.picture, &whole_reference, time(whole.seconds)));
     let stops = |k: usize| if k < 2 { 0.0 } else { 2.0 };
     let mut pictures: Vec<_> =
         alone.iter().enumerate().map(|(k, shot)| (&shot.picture, stops(k))).collect();
@@ -105,7 +106,7 @@ pub(crate) fn limits(program: &Program) -> Result<String, String> {
             short(error(&shot.picture, &reference)),
             epsilon(&reference),
             format!("{rays:.2}"),
-            format!("{:.1} s", shot.seconds),
+            time(shot.seconds),
         ]);
         shots.push(shot);
     }

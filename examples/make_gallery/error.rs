@@ -2,6 +2,7 @@
 
 use steradian::image::Picture;
 use steradian::image::compare::relmse;
+use steradian::settings::Crop;
 
 /// Relative mean squared error of `picture`; the printed form has the ε that goes with it.
 pub(crate) fn error(picture: &Picture, reference: &Picture) -> f64 {
@@ -25,11 +26,20 @@ pub(crate) fn sum<'a>(pictures: impl IntoIterator<Item = &'a Picture>) -> Pictur
     total
 }
 
-/// Mean luminance, Rec. 709.
+/// A part of `picture`.
+pub(crate) fn window(picture: &Picture, part: Crop) -> Picture {
+    let at = |x: u32, y: u32| picture.rgb[(y * picture.width + x) as usize];
+    let row = |y| (part.x..part.x + part.width).map(move |x| at(x, y));
+    let rgb = (part.y..part.y + part.height).flat_map(row).collect();
+    Picture::new(part.width, part.height, rgb)
+}
+
+/// Weights of red, green and blue in luminance, Rec. 709.
+pub(crate) const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Mean luminance.
 pub(crate) fn luminance(picture: &Picture) -> f64 {
-    let of = |c: &[f32; 3]| {
-        0.2126 * f64::from(c[0]) + 0.7152 * f64::from(c[1]) + 0.0722 * f64::from(c[2])
-    };
+    let of = |c: &[f32; 3]| (0..3).map(|i| f64::from(c[i]) * LUMINANCE[i]).sum::<f64>();
     picture.rgb.iter().map(of).sum::<f64>() / picture.rgb.len() as f64
 }
 

@@ -7,7 +7,7 @@
 //!
 //! Run it in the repository root, after `cargo build --release --bins --examples`. Pictures
 //! are rendered by calls of the program, which the page prints, into out/gallery/; those that are
-//! newer than the program are not rendered again.
+//! newer than the program and their scene are not rendered again.
 
 mod bounces;
 mod clock;
@@ -98,7 +98,7 @@ fn introduction() -> Result<String, String> {
          ε = (0.01 × mean luminance of the reference)² as printed. References have more samples\n\
          and another seed, so no sample is shared; their own noise is part of the figures. Where a\n\
          reference is made by this renderer, the figures show noise and the effect of a setting, not\n\
-         whether the renderer is right: that is what the tests and the pages beside this one are for.\n\
+         whether the renderer is right: the tests are for that.\n\
          *Time* is processor time of all threads together, loading and compiling taken off.\n\
          Pictures are enlarged pixel by pixel, and clip where light sources are.\n",
         info.name,

@@ -40,6 +40,11 @@ pub(crate) fn short(x: f64) -> String {
     if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
 }
 
+/// Processor time; a tenth of a second is as fine as the clock and the start allow.
+pub(crate) fn time(seconds: f64) -> String {
+    if seconds < 0.1 { "< 0.1 s".into() } else { format!("{seconds:.1} s") }
+}
+
 /// Writes `pictures`, each with its exposure in stops, in rows of `columns`, every pixel
 /// `zoom` times as wide and high. Gives the line that shows them.
 pub(crate) fn sheet(

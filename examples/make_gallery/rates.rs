@@ -2,7 +2,7 @@
 
 use crate::bounces::{references, sum_of_first};
 use crate::error::{epsilon, error, slope};
-use crate::page::{commands, sheet, short, table};
+use crate::page::{commands, sheet, short, table, time};
 use crate::renders::{Job, Program, bundled};
 
 const COUNTS: [u32; 7] = [1, 2, 4, 8, 16, 64, 1024];
@@ -27,21 +27,20 @@ pub(crate) fn run(program: &Program) -> Result<String, String> {
         let mut row = vec![spp.to_string()];
         row.extend(errors.map(short));
         row.push(format!("{:.2}", errors[1] / errors[0]));
-        row.push(format!("{:.2} s", a.seconds));
+        row.push(time(a.seconds));
         rows.push(row);
         shots.extend([a, b]);
     }
     let pictures: Vec<_> = shots.iter().step_by(2).map(|shot| (&shot.picture, 0.0)).collect();
-    let head = ["samples per pixel", "error", "of independent numbers", "ratio", "time"];
+    let head = ["samples per pixel", "error", "of independent numbers", "ratio of the two", "time"];
     Ok(format!(
         "{}\n\
          1, 2, 4, 8 samples per pixel above, 16, 64, 1024 below; 4 light samples at each vertex, at most 5\n\
          bounces. The root of the error falls as the power {:.3} of their number with the scrambled\n\
          Sobol points that are the default, and {:.3} with independent random numbers (`--sampler\n\
          independent`), where theory says -0.5.\n\n{}\n\
-         Reference: the sum of the long renders of bounces 0 to 5 of the section before last, 4096\n\
-         samples per pixel; ε {}. Its noise is in the last row, about a fourth of the figure, and makes\n\
-         both slopes a little flatter.\n\n{}",
+         Reference: the sum of the long renders of \"Each bounce alone\", 4096 samples per pixel; ε {}.\n\
+         Its noise is in the last row too, and makes both slopes a little flatter.\n\n{}",
         sheet("rates", "1, 2, 4, 8, 16, 64, 1024 samples per pixel", &pictures, 4, 2)?,
         slope(&sobol),
         slope(&independent),

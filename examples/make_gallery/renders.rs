@@ -32,8 +32,10 @@ pub(crate) struct Shot {
     /// What `--stats` wrote.
     pub(crate) stats: Value,
     /// Processor time of the call, all threads, less that of the same call at one sample
-    /// and 8x8 pixels: what tracing took, without loading and compiling.
+    /// and 8x8 pixels (of a crop, at one sample): what tracing took, without loading and compiling.
     pub(crate) seconds: f64,
+    /// Samples that were not finite, negative or cut off.
+    pub(crate) faults: u64,
 }
 
 /// A bundled scene.
@@ -54,17 +56,31 @@ impl Job {
         Self { spp, flags: flags.trim().to_owned(), ..self.clone() }
     }
 
+    /// Name of the files: scene, pixels of a side, samples per pixel, flags.
     fn stem(&self) -> String {
         let scene = Path::new(&self.scene).file_stem().unwrap_or_default().to_string_lossy();
-        let flags = self.flags.replace("--", "").replace(' ', "-");
-        format!("{scene}-{}-{}-{flags}", self.side, self.spp).trim_end_matches('-').to_owned()
+        let mut stem = format!("{scene}-{}-{}", self.side, self.spp);
+        let mut words = self.flags.split_whitespace();
+        while let Some(word) = words.next() {
+            stem += match word {
+                "--max-bounces" => "-m",
+                "--only-bounce" => "-b",
+                "--light-samples" => "-l",
+                "--seed" => "-s",
+                "--crop" => "-crop",
+                "--strategy" | "--sampler" | "--accel" => "-",
+                other => other,
+            };
+            stem += words.next().unwrap_or_default();
+        }
+        stem
     }
 
     fn arguments(&self) -> String {
         let Self { scene, side, spp, flags } = self;
         let file = format!("{FOLDER}/{}", self.stem());
         let call = format!("render -q {scene} --resolution {side}x{side} --spp {spp} {flags}");
-        format!("{} --stats {file}.json -o {file}.exr", call.trim())
+        format!("{} -o {file}.exr --stats {file}.json", call.trim())
     }
 }
 
@@ -83,11 +99,21 @@ impl Program {
         Ok(Self { path, built })
     }
 
-    /// The picture of `job`: rendered, unless there is one newer than the program.
+    /// The picture of `job`, of which every sample must be good.
     pub(crate) fn shot(&self, job: &Job) -> Result<Shot, String> {
+        let shot = self.attempt(job)?;
+        match shot.faults {
+            0 => Ok(shot),
+            faults => Err(format!("{faults} faulty samples: {}", shot.command)),
+        }
+    }
+
+    /// The picture of `job`: rendered, unless there is one newer than program and scene.
+    pub(crate) fn attempt(&self, job: &Job) -> Result<Shot, String> {
         let file = format!("{FOLDER}/{}", job.stem());
         let (exr, time) = (PathBuf::from(format!("{file}.exr")), format!("{file}.seconds"));
-        let is_kept = modified(Path::new(&time)).is_some_and(|then| then > self.built);
+        let needed = modified(Path::new(&job.scene)).map_or(self.built, |t| t.max(self.built));
+        let is_kept = modified(Path::new(&time)).is_some_and(|then| then > needed);
         if !is_kept {
             self.render(job, &time)?;
         }
@@ -95,18 +121,16 @@ impl Program {
         let seconds = read_json(&time)?["seconds"].as_f64().ok_or("no seconds")?;
         let picture = read_picture(&exr).map_err(|e| e.to_string())?;
         let command = format!("steradian {}", job.arguments());
-        let faults: u64 =
-            stats["faults"].as_object().map_or(0, |f| f.values().filter_map(Value::as_u64).sum());
-        if faults > 0 {
-            return Err(format!("{faults} faulty samples: {command}"));
-        }
-        Ok(Shot { command, picture, stats, seconds })
+        let faults = stats["faults"].as_object();
+        let faults = faults.map_or(0, |f| f.values().filter_map(Value::as_u64).sum());
+        Ok(Shot { command, picture, stats, seconds, faults })
     }
 
     fn render(&self, job: &Job, time: &str) -> Result<(), String> {
         eprintln!("steradian {}", job.arguments());
         // The first call compiles, the second finds that in the driver's cache.
-        let start_up = Job { side: 8, spp: 1, ..job.clone() };
+        let side = if job.flags.contains("--crop") { job.side } else { 8 };
+        let start_up = Job { side, spp: 1, ..job.clone() };
         self.call(&start_up.arguments())?;
         let start_up = self.call(&start_up.arguments())?;
         let seconds = (self.call(&job.arguments())? - start_up).max(0.0);

@@ -2,13 +2,13 @@
 //! program does not have and this study puts into the shader.
 
 use crate::clock::own_seconds;
-use crate::error::{epsilon, error, luminance};
-use crate::page::{sheet, short, table};
+use crate::error::{LUMINANCE, epsilon, error, luminance};
+use crate::page::{sheet, short, table, time};
 use crate::renders::bundled;
 use std::path::Path;
 use std::sync::Arc;
 use steradian::gpu::Device;
-use steradian::image::{Picture, read_picture};
+use steradian::image::{ChannelData, Picture, read_exr};
 use steradian::passes::Tuning;
 use steradian::scene::gltf::{LoadOptions, load_with};
 use steradian::shader::{Library, library};
@@ -44,8 +44,8 @@ fn constant(probability: f32) -> Result<Library, String> {
 struct Outcome {
     picture: Picture,
     seconds: f64,
-    /// Segments of a path.
-    length: f64,
+    /// Rays of a path, shadow rays among them.
+    rays: f64,
     /// Standard error of the mean luminance of the picture.
     standard_error: f64,
 }
@@ -77,15 +77,33 @@ fn render(device: &Arc<Device>, library: Library, roulette: bool) -> Result<Outc
     Ok(Outcome {
         picture: renderer.film().picture(),
         seconds,
-        length: statistics.closest_rays as f64 / statistics.samples as f64,
+        rays: (statistics.closest_rays + statistics.shadow_rays) as f64 / statistics.samples as f64,
         standard_error: square.sqrt() / errors.len() as f64,
     })
+}
+
+/// The picture of a reference, and the standard error of its mean luminance, where the channels
+/// of a pixel err alike.
+fn read_reference(path: &Path) -> Result<(Picture, f64), String> {
+    let image = read_exr(path).map_err(|e| e.to_string())?;
+    let variances = |name| match image.channel("variance", name) {
+        Some(ChannelData::F32(values)) => Ok(values),
+        _ => Err(format!("{}: no variances of {name}", path.display())),
+    };
+    let [r, g, b] = [variances("R")?, variances("G")?, variances("B")?];
+    let of_pixel = |i: usize| {
+        let errors = [r[i], g[i], b[i]].map(|v| f64::from(v).sqrt());
+        errors.iter().zip(LUMINANCE).map(|(e, weight)| e * weight).sum::<f64>()
+    };
+    let square: f64 = (0..r.len()).map(|i| of_pixel(i).powi(2)).sum();
+    let picture = image.picture().ok_or("no picture")?;
+    Ok((picture, square.sqrt() / r.len() as f64))
 }
 
 /// Every way, against a reference by another renderer.
 pub(crate) fn run(_: &Program) -> Result<String, String> {
     let path = Path::new("tests/references/cornell-box.exr");
-    let reference = read_picture(path).map_err(|e| e.to_string())?;
+    let (reference, reference_error) = read_reference(path)?;
     let device = Arc::new(Device::open(None).map_err(|e| e.to_string())?);
     let mut ways = vec![
         ("the program's own".to_owned(), library(), true),
@@ -103,23 +121,22 @@ pub(crate) fn run(_: &Program) -> Result<String, String> {
         let off = luminance(&outcome.picture) - luminance(&reference);
         rows.push(vec![
             name,
-            format!("{:.2}", outcome.length),
-            format!("{:.1} s", outcome.seconds),
+            format!("{:.2}", outcome.rays),
+            time(outcome.seconds),
             short(e),
-            format!("{:.2}", e * outcome.seconds * 1e3),
-            format!("{:+.2}", off / outcome.standard_error),
+            format!("{:.2}", e * outcome.rays * 1e3),
+            format!("{:+.2}", off / outcome.standard_error.hypot(reference_error)),
         ]);
         outcomes.push(outcome);
     }
     let pictures: Vec<_> = outcomes.iter().map(|o| (&o.picture, 0.0)).collect();
-    let head =
-        ["roulette", "segments per path", "time", "error", "error × time × 1000", "mean, σ off"];
+    let head = ["roulette", "rays per path", "time", "error", "error × rays × 1000", "mean, σ off"];
     Ok(format!(
         "{}\n\
          The program's own, none, then probabilities 0.9, 0.7, 0.5, 0.3 of going on. 32x32 pixels, {SPP}\n\
-         samples per pixel, at most {LIMIT} bounces. Roulette shortens paths and makes noise; what counts is\n\
-         error × time. All have the same mean: the last column is the difference of the mean luminance\n\
-         from the reference's in standard errors of ours. The program's own begins at bounce 5 and goes\n\
+         samples per pixel, at most {LIMIT} bounces. Roulette shortens paths and adds noise; what counts is\n\
+         error × rays. All have the same mean: the last column is the difference of the mean luminance\n\
+         from the reference's in standard errors of both (one seed for all, so they are alike). The program's own begins at bounce 5 and goes\n\
          on with the probability of the path's throughput; a constant probability is no option\n\
          of the program: the study puts it into the shader.\n\n{}\n\
          Reference: by Mitsuba 3, 131,072 samples per pixel (`tests/references`); ε {}.\n\n\
