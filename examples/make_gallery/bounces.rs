@@ -121,7 +121,6 @@ pub(crate) fn limits(program: &Program) -> Result<String, String> {
         "segments per path",
         "time",
     ];
-    let estimate = unlimited.stats["estimated_relmse"].as_f64().unwrap_or(f64::NAN);
     Ok(format!(
         "{}\n\
          `--max-bounces` 0, 1, 2, 3 above, 4, 5, 100 below; {SPP} samples per pixel. A limit is a bias: what\n\
@@ -131,7 +130,7 @@ pub(crate) fn limits(program: &Program) -> Result<String, String> {
          estimate, ε {}); for the limits to 5 the sums of the long renders of single bounces.\n\n{}",
         sheet("bounces", "At most 0, 1, 2, 3, 4, 5, 100 bounces", &pictures, 4, 2)?,
         table(&head, rows),
-        short(estimate),
+        short(unlimited.estimate()),
         epsilon(&unlimited.picture),
         commands(
             shots.iter().chain([&unlimited]).chain(&references).map(|shot| shot.command.as_str())

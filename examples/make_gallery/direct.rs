@@ -63,11 +63,13 @@ pub(crate) fn hemisphere_and_lights(program: &Program) -> Result<String, String>
          chance; light sampling aims at it. The second picture of a row has as many directions as\n\
          the third: at that number light sampling has {:.0} and {:.0} times less squared error. What is left\n\
          of it is noise of the half-shadows and of the edges.\n\n{}\n\
-         Reference: 1024 samples per pixel of 4 light samples, both strategies weighted; ε {}.\n\n{}",
+         Reference: 1024 samples per pixel of 4 light samples, both strategies weighted (its own\n\
+         error is {} by its own estimate); ε {}.\n\n{}",
         sheet("hemisphere", "Upper row 16 samples per pixel, lower row 64", &pictures, 3, 2)?,
         ratio(1, 2),
         ratio(4, 5),
         table(&head, rows),
+        short(reference.estimate()),
         epsilon(&reference.picture),
         commands(shots.iter().chain([&reference]).map(|shot| shot.command.as_str())),
     ))
@@ -99,10 +101,12 @@ pub(crate) fn soft_shadows(program: &Program) -> Result<String, String> {
          which there is still one. So the last column is that of the floor alone, where there are no\n\
          edges: mean square over the square of the mean luminance. Its root falls as the power {:.2} of\n\
          the number; independent samples have -0.5.\n\n{}\n\
-         Reference: 256 samples per pixel of 16 light samples, both strategies weighted; ε {}.\n\n{}",
+         Reference: 256 samples per pixel of 16 light samples, both strategies weighted (its own\n\
+         error is {} by its own estimate); ε {}.\n\n{}",
         sheet("shadows", "1, 4, 16, 64 light samples", &pictures, 2, 2)?,
         slope(&points),
         table(&head, rows),
+        short(reference.estimate()),
         epsilon(&reference.picture),
         commands(shots.iter().chain([&reference]).map(|shot| shot.command.as_str())),
     ))

@@ -93,13 +93,15 @@ fn introduction() -> Result<String, String> {
         "# Gallery\n\n\
          What each part of the renderer does, in pictures and figures. Written by `make gallery`;\n\
          each section by the command under its heading, which calls the program as the section lists.\n\
-         `steradian` is `target/release/steradian`. Device: {}, {}; {cores} processor cores.\n\n\
+         `steradian` is `target/release/steradian`.\n\
+         Device: {}, {}; {cores} processor cores.\n\n\
          *Error* is relMSE, the mean over pixels and channels of (x - r)² / (r² + ε), with\n\
          ε = (0.01 × mean luminance of the reference)² as printed. References have more samples\n\
          and another seed, so no sample is shared; their own noise is part of the figures. Where a\n\
          reference is made by this renderer, the figures show noise and the effect of a setting, not\n\
          whether the renderer is right: the tests are for that.\n\
-         *Time* is processor time of all threads together, loading and compiling taken off.\n\
+         *Time* is processor time of all threads together, loading and compiling taken off. It still\n\
+         depends on what else the machine does: the same call was seen to take up to half as long again.\n\
          Pictures are enlarged pixel by pixel, and clip where light sources are.\n",
         info.name,
         info.driver.trim(),

@@ -43,6 +43,13 @@ pub(crate) fn bundled(name: &str) -> String {
     format!("scenes/{name}/{name}.gltf")
 }
 
+impl Shot {
+    /// The picture's error as the renderer itself estimates it.
+    pub(crate) fn estimate(&self) -> f64 {
+        self.stats["estimated_relmse"].as_f64().unwrap_or(f64::NAN)
+    }
+}
+
 impl Job {
     /// `scene` rendered with `flags`.
     pub(crate) fn new(scene: impl Into<String>, side: u32, spp: u32, flags: &str) -> Self {

@@ -136,9 +136,9 @@ pub(crate) fn run(_: &Program) -> Result<String, String> {
          The program's own, none, then probabilities 0.9, 0.7, 0.5, 0.3 of going on. 32x32 pixels, {SPP}\n\
          samples per pixel, at most {LIMIT} bounces. Roulette shortens paths and adds noise; what counts is\n\
          error × rays. All have the same mean: the last column is the difference of the mean luminance\n\
-         from the reference's in standard errors of both (one seed for all, so they are alike). The program's own begins at bounce 5 and goes\n\
-         on with the probability of the path's throughput; a constant probability is no option\n\
-         of the program: the study puts it into the shader.\n\n{}\n\
+         from the reference's in standard errors of both (one seed for all, so they are alike). The\n\
+         program's own begins at bounce 5 and goes on with the probability of the path's throughput; a\n\
+         constant probability is no option of the program: the study puts it into the shader.\n\n{}\n\
          Reference: by Mitsuba 3, 131,072 samples per pixel (`tests/references`); ε {}.\n\n\
          The first two are `steradian render scenes/cornell-box/cornell-box.gltf --resolution 32x32\n\
          --spp {SPP} --max-bounces {LIMIT} -o roulette.exr`, the second with `--no-roulette`.\n",
