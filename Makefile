@@ -9,7 +9,7 @@ DEMO_SPP ?= 48
 # Which cases: all of them, which takes hours on two cores; nothing, for those of `make test`.
 NUMERICS ?= --include-ignored
 # Which study of the gallery: trees, hemisphere, shadows, parts, bounces, rates, roulette; all by
-# default, which takes a quarter of an hour on two cores.
+# default, which takes about ten minutes on two idle cores.
 STUDY ?=
 BENCH_SCENE ?= scenes/cornell-spheres/cornell-spheres.gltf
 
