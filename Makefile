@@ -6,12 +6,12 @@ OUT ?= out
 # Square pictures: resolution and samples per pixel.
 DEMO_RESOLUTION ?= 320x320
 DEMO_SPP ?= 48
-GALLERY_SPP ?= 256
 # Which cases: all of them, which takes hours on two cores; nothing, for those of `make test`.
 NUMERICS ?= --include-ignored
+# Which study of the gallery: trees, hemisphere, shadows, parts, bounces, rates, roulette; all by
+# default, which takes about ten minutes on two idle cores.
+STUDY ?=
 BENCH_SCENE ?= scenes/cornell-spheres/cornell-spheres.gltf
-
-SCENES = $(sort $(wildcard scenes/*/*.gltf scenes/*/*.glb))
 
 .DEFAULT_GOAL := help
 .PHONY: help setup demo test numerics gallery scenes bench lint fmt-check clean
@@ -39,14 +39,9 @@ numerics: setup ## Run the hard cases, long ones too, and write docs/numerics.md
 	$(CARGO) run --release --example write_numerics -- \
 		$(OUT)/figures.jsonl docs/numerics.md "$(NUMERICS)" && exit $$status
 
-gallery: setup ## Render every bundled scene into out/gallery/
-	@mkdir -p $(OUT)/gallery
-	$(CARGO) build --release
-	@set -e; for scene in $(SCENES); do \
-		target/release/steradian render "$$scene" \
-			-o "$(OUT)/gallery/$$(basename "$${scene%.*}").png" \
-			--spp $(GALLERY_SPP); \
-	done
+gallery: setup ## Write docs/gallery.md and its pictures; STUDY=name for one study
+	$(CARGO) build --release --bins --examples
+	target/release/examples/make_gallery $(STUDY)
 
 scenes: ## Write the bundled scenes anew from their description
 	$(CARGO) run --release --example make_scenes

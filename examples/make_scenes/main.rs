@@ -1,11 +1,13 @@
 //! Writes the bundled scenes, the same bytes every time:
 //!
 //! ```sh
-//! cargo run --release --example make_scenes [-- --only NAME] [--out FOLDER] [--large]
+//! cargo run --release --example make_scenes [-- --only NAME] [--out FOLDER]
+//! cargo run --release --example make_scenes -- --large | --knot AxB [--out FOLDER]
 //! ```
 //!
 //! Run it in the repository root. `--large` writes a variant of the statue with a
-//! million triangles to `out/` instead, which is too big to be committed.
+//! million triangles to `out/` instead, which is too big to be committed; `--knot` one
+//! whose knot has A cells along and B around, two triangles each.
 
 mod cornell;
 mod document;
@@ -88,7 +90,7 @@ const SCENES: &[Entry] = &[
         kind: Kind::Picture,
         purpose: "many triangles in one mesh: build and traversal of the BVH",
         source: OWN,
-        build: |document| statue::build(document, false),
+        build: |document| statue::build(document, statue::CELLS),
     },
     Entry {
         name: "instances",
@@ -142,7 +144,8 @@ struct Written {
 struct Options {
     only: Option<String>,
     out: Option<PathBuf>,
-    large: bool,
+    /// Another statue instead: its name and the cells of its knot.
+    statue: Option<(String, [u32; 2])>,
 }
 
 impl Options {
@@ -153,15 +156,29 @@ impl Options {
             match flag.as_str() {
                 "--only" => options.only = Some(value()?),
                 "--out" => options.out = Some(PathBuf::from(value()?)),
-                "--large" => options.large = true,
-                _ => return Err(format!("{flag}: known are --only NAME, --out FOLDER, --large")),
+                "--large" => options.statue = Some(("statue-large".into(), statue::LARGE_CELLS)),
+                "--knot" => {
+                    let value = value()?;
+                    options.statue = Some((format!("statue-{value}"), cells(&value)?));
+                }
+                _ => {
+                    let known = "--only NAME, --out FOLDER, --large, --knot AxB";
+                    return Err(format!("{flag}: known are {known}"));
+                }
             }
         }
-        if options.large && options.only.is_some() {
-            return Err("--large writes the large statue alone: leave --only out".into());
+        if options.statue.is_some() && options.only.is_some() {
+            return Err("--large and --knot write one statue alone: leave --only out".into());
         }
         Ok(options)
     }
+}
+
+/// Cells along and around a knot, such as 1200x60.
+fn cells(text: &str) -> Result<[u32; 2], String> {
+    let side = |side: &str| side.parse().ok().filter(|n| (3..=10_000).contains(n));
+    let sides = text.split_once('x').and_then(|(a, b)| Some([side(a)?, side(b)?]));
+    sides.ok_or(format!("--knot {text}: two numbers from 3 to 10000, such as 1200x60"))
 }
 
 fn main() -> ExitCode {
@@ -183,10 +200,10 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), String> {
     let out = |default: &str| options.out.clone().unwrap_or_else(|| PathBuf::from(default));
-    if options.large {
-        let mut document = Document::new("statue-large");
-        statue::build(&mut document, true);
-        let folder = out("out").join("statue-large");
+    if let Some((name, cells)) = &options.statue {
+        let mut document = Document::new(name);
+        statue::build(&mut document, *cells);
+        let folder = out("out").join(name);
         let size = document.write(&folder).map_err(|e| at(&folder, &e))?;
         report(&folder, document.triangle_count(), size);
         return Ok(());

@@ -10,9 +10,9 @@ use glam::{DVec2, DVec3, dvec3};
 use std::f64::consts::TAU;
 
 /// Cells along and around the tube: 144,000 triangles.
-const CELLS: [u32; 2] = [1_200, 60];
+pub(crate) const CELLS: [u32; 2] = [1_200, 60];
 /// The same at 1,020,000 triangles.
-const LARGE_CELLS: [u32; 2] = [3_400, 150];
+pub(crate) const LARGE_CELLS: [u32; 2] = [3_400, 150];
 
 /// Radii of the torus that carries the knot, in metres.
 const TORUS_RADII: DVec2 = DVec2::new(0.40, 0.185);
@@ -52,8 +52,8 @@ fn knot(cells: [u32; 2]) -> Mesh {
     })
 }
 
-/// The scene; `large` is the same shape at over a million triangles.
-pub(crate) fn build(document: &mut Document, large: bool) {
+/// The scene, its knot of so many cells along and around the tube, two triangles each.
+pub(crate) fn build(document: &mut Document, cells: [u32; 2]) {
     add_room(document);
     let plinth = document.material(Material {
         name: "plinth",
@@ -76,7 +76,7 @@ pub(crate) fn build(document: &mut Document, large: bool) {
     let foot = document.mesh("foot", &foot, plinth);
     document.place("foot", foot, dvec3(0.0, PLINTH_TOP, 0.0));
 
-    let mesh = knot(if large { LARGE_CELLS } else { CELLS });
+    let mesh = knot(cells);
     let lowest = mesh.positions.iter().fold(f64::INFINITY, |low, p| low.min(p.y));
     let mesh = document.mesh("knot", &mesh, marble);
     // Set a little into the foot, as a pinned stone is.

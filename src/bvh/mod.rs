@@ -39,7 +39,10 @@ pub use node::{
 };
 pub use spawn::{SpawnPoint, spawn_offset};
 pub use sphere::{AnchoredSphere, sphere_hit, sphere_hit_anchored};
-pub use traverse::{ItemHit, Ray, any_hit, any_hit_as, closest_hit, closest_hit_as};
+pub use traverse::{
+    ItemHit, Ray, TraversalCounts, any_hit, any_hit_as, closest_hit, closest_hit_as,
+    closest_hit_counted,
+};
 pub use triangle::{TriangleHit, triangle_hit, triangle_hit_as};
 pub use validate::BvhStatistics;
 

@@ -1,4 +1,4 @@
-//! Traversal as the shaders do it, for tests.
+//! Traversal as the shaders do it, for tests and for counting.
 
 use super::{Bvh, BvhChild, GridRay, Link, MAX_DEPTH, PrimitiveKind};
 use glam::Vec3;
@@ -31,6 +31,15 @@ impl ItemHit {
     }
 }
 
+/// What a traversal touched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TraversalCounts {
+    /// Nodes visited; each costs a test of two boxes.
+    pub nodes: u64,
+    /// Items tested.
+    pub items: u64,
+}
+
 /// The first hit along `ray`. `intersect` gets a kind, an item and `t_max` and gives the
 /// item's nearest t below it.
 pub fn closest_hit(
@@ -45,10 +54,21 @@ pub fn closest_hit(
 pub fn closest_hit_as<const FUSED: bool>(
     bvh: &Bvh,
     ray: &Ray,
-    mut intersect: impl FnMut(PrimitiveKind, u32, f32) -> Option<f32>,
+    intersect: impl FnMut(PrimitiveKind, u32, f32) -> Option<f32>,
 ) -> Option<ItemHit> {
+    closest_hit_counted::<FUSED>(bvh, ray, intersect).0
+}
+
+/// [`closest_hit_as`], and what it touched.
+pub fn closest_hit_counted<const FUSED: bool>(
+    bvh: &Bvh,
+    ray: &Ray,
+    mut intersect: impl FnMut(PrimitiveKind, u32, f32) -> Option<f32>,
+) -> (Option<ItemHit>, TraversalCounts) {
     let mut best: Option<ItemHit> = None;
-    traverse::<FUSED>(bvh, ray, |kind, item, cull| {
+    let mut items = 0;
+    let nodes = traverse::<FUSED>(bvh, ray, |kind, item, cull| {
+        items += 1;
         if let Some(t) = intersect(kind, item, ray.t_max) {
             let hit = ItemHit { t, item };
             if best.is_none_or(|b| hit.is_before(&b)) {
@@ -58,7 +78,7 @@ pub fn closest_hit_as<const FUSED: bool>(
         }
         true
     });
-    best
+    (best, TraversalCounts { nodes, items })
 }
 
 /// Whether there is any hit along `ray`; `intersect` as for [`closest_hit`].
@@ -86,18 +106,20 @@ pub fn any_hit_as<const FUSED: bool>(
 
 /// Calls `visit` for the items in all boxes that the ray meets, nearer child first.
 /// `visit` may lower the t beyond which boxes are skipped, and ends the traversal
-/// with `false`.
+/// with `false`. Gives the number of nodes visited.
 fn traverse<const FUSED: bool>(
     bvh: &Bvh,
     ray: &Ray,
     mut visit: impl FnMut(PrimitiveKind, u32, &mut f32) -> bool,
-) {
+) -> u64 {
     let grid_ray = GridRay::<FUSED>::prepare(bvh, ray.o, ray.d);
     let mut cull = ray.t_max;
     let mut stack = [0; MAX_DEPTH as usize];
     let mut stack_size = 0;
     let mut node = 0;
+    let mut node_count = 0;
     loop {
+        node_count += 1;
         let mut next: Option<(u32, f32)> = None;
         for child in &bvh.nodes[node as usize].children {
             let Some(t) = grid_ray.entry(child, cull) else { continue };
@@ -114,7 +136,7 @@ fn traverse<const FUSED: bool>(
                 Some(Link::Leaf { kind, first, count }) => {
                     for &item in &bvh.order[first as usize..(first + count) as usize] {
                         if !visit(kind, item, &mut cull) {
-                            return;
+                            return node_count;
                         }
                     }
                 }
@@ -123,7 +145,7 @@ fn traverse<const FUSED: bool>(
         }
         node = match next {
             Some((near, _)) => near,
-            None if stack_size == 0 => return,
+            None if stack_size == 0 => return node_count,
             None => {
                 stack_size -= 1;
                 stack[stack_size]
@@ -134,4 +156,40 @@ fn traverse<const FUSED: bool>(
 
 fn invalid_link(child: &BvhChild) -> String {
     format!("link {:#010x} has a kind that no builder writes", child.link)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::{Aabb, BuildItem, build_sah};
+
+    #[test]
+    fn counts_are_those_of_the_nodes_and_items_on_the_way() {
+        // Sixteen unit boxes in a row along x, each of which is met at its near face.
+        let bounds = |i: usize| {
+            let min = Vec3::new(2.0 * i as f32, 0.0, 0.0);
+            Aabb { min, max: min + Vec3::ONE }
+        };
+        let items: Vec<_> = (0..16)
+            .map(|i| BuildItem { bounds: bounds(i), kind: PrimitiveKind::Triangle })
+            .collect();
+        let bvh = build_sah(&items);
+        let count = |o, d, meets: bool| {
+            let ray = Ray { o, d, t_max: f32::INFINITY };
+            closest_hit_counted::<false>(&bvh, &ray, |_, item, _| {
+                meets.then(|| (items[item as usize].bounds.min.x - o.x) / d.x)
+            })
+        };
+        let beside = count(Vec3::new(-1.0, 5.0, 0.5), Vec3::X, true);
+        assert_eq!(beside, (None, TraversalCounts { nodes: 1, items: 0 }));
+        // Nothing stops the ray, so every node and every item is on its way.
+        let (_, all) = count(Vec3::new(-1.0, 0.5, 0.5), Vec3::X, false);
+        assert_eq!(all, TraversalCounts { nodes: bvh.nodes.len() as u64, items: 16 });
+        // The first leaf ends it: one node a level and its sibling, popped later, and that
+        // leaf's items.
+        let (hit, first) = count(Vec3::new(-1.0, 0.5, 0.5), Vec3::X, true);
+        assert_eq!(hit, Some(ItemHit { t: 1.0, item: 0 }));
+        assert!(first.nodes < 2 * u64::from(bvh.depth), "{first:?}");
+        assert!((1..=u64::from(crate::bvh::MAX_LEAF_SIZE)).contains(&first.items), "{first:?}");
+    }
 }
