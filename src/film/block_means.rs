@@ -40,6 +40,8 @@ impl BlockMeans {
         self.pending += (mean - self.first) * f64::from(units);
         // Runs are as long as before this block: they become longer when all slots are full.
         let (units_per_run, complete) = runs(self.unit_count);
+        let in_run = self.unit_count % units_per_run;
+        debug_assert!(in_run + units <= units_per_run, "a block reaches over the end of a run");
         self.unit_count += units;
         if self.unit_count % units_per_run != 0 {
             return;

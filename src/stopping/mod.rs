@@ -76,9 +76,9 @@ impl StoppingRule {
     pub fn decides_at(&self, sample_count: u32) -> bool {
         match self {
             Self::Calibrated(_) => {
-                let units = sample_count / calibrated::UNIT;
-                let (per_run, complete) = runs(units);
-                complete >= RUNS / 2 && units % (per_run * RUNS as u32 / 4) == 0
+                let (per_run, complete) = runs(sample_count / calibrated::UNIT);
+                let run = per_run * calibrated::UNIT;
+                complete >= RUNS / 2 && sample_count % (run * RUNS as u32 / 4) == 0
             }
             Self::Seed(rule) => sample_count % rule.batch == 0,
         }
@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn decisions_fall_on_eight_and_twelve_runs() {
         let rule = StoppingRule::Calibrated(CalibratedRule::new(0.05, 0.95, Preset::Default));
-        let points: Vec<u32> = (1..=128).map(|b| 8 * b).filter(|&n| rule.decides_at(n)).collect();
+        let points: Vec<u32> = (1..=1024).filter(|&n| rule.decides_at(n)).collect();
         assert_eq!(points, [64, 96, 128, 192, 256, 384, 512, 768, 1024]);
         let blocks = [0, 64, 120, 128, 256, 512, 1024, 4096].map(|n| rule.block_at(n));
         assert_eq!(blocks, [8, 8, 8, 16, 32, 64, 128, 128]);

@@ -66,7 +66,7 @@ fn a_tolerance_of_zero_is_no_rule() {
 }
 
 fn check_cuts(rule: StoppingRule) {
-    let settings = with_rule(rule, 192);
+    let settings = with_rule(rule, 136);
     let (expected, statistics) = render(&scene(), &settings);
     let stops = expected.stops().unwrap();
     let is_converged = |reason| reason == StopReason::Converged;

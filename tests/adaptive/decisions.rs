@@ -97,6 +97,21 @@ fn the_device_judges_as_the_rule_says() {
     check_decision(Preset::Strict, 256);
 }
 
+/// Pixels that went on after a stop have fewer samples than others, and shorter blocks: they
+/// keep to their own points of decision.
+#[test]
+fn pixels_stop_at_their_points_of_decision() {
+    const LIMIT: u32 = 1000;
+    let rule = calibrated(0.2, Preset::Default);
+    let (film, statistics) = render(&scene(), &with_rule(rule, LIMIT));
+    for (i, &count) in film.sample_counts().iter().enumerate() {
+        assert!(rule.decides_at(count) || count == LIMIT, "pixel {i}: {count} samples");
+    }
+    // Those of the pixels that never stopped, and the limit.
+    let points = (1..LIMIT).filter(|&n| rule.decides_at(n)).count() as u32 + 1;
+    assert!(statistics.decisions > points, "{} decisions: no test", statistics.decisions);
+}
+
 #[test]
 fn the_seeds_rule_stops_where_its_formula_says() {
     const LIMIT: u32 = 24;
