@@ -20,6 +20,21 @@ pub(crate) fn assert_at_least(case: &str, what: &str, figure: f64, limit: f64) {
     assert!(figure >= limit, "{case} {what}: {figure:e} is less than {limit:e}");
 }
 
+/// A figure that is known to miss its bar of at least `bar`, and why; asserts that it still does,
+/// so that a renderer that has become better is held to it.
+#[track_caller]
+pub(crate) fn report_below(case: &str, what: &str, figure: f64, bar: f64, why: &str) {
+    record(case, &format!("{what} ({why})"), "product", figure, Some(("at least", bar)));
+    assert!(figure < bar, "{case} {what}: {figure:e} now keeps {bar:e}: hold the renderer to it");
+}
+
+/// As [`report_below`], for a bar of at most `bar`.
+#[track_caller]
+pub(crate) fn report_above(case: &str, what: &str, figure: f64, bar: f64, why: &str) {
+    record(case, &format!("{what} ({why})"), "product", figure, Some(("at most", bar)));
+    assert!(figure > bar, "{case} {what}: {figure:e} now keeps {bar:e}: hold the renderer to it");
+}
+
 /// Asserts that the usual technique, kept in the test for comparison, fails by `least` or more:
 /// the case is hard.
 #[track_caller]

@@ -2,7 +2,7 @@
 
 use crate::common::{
     Call, Stage, assert_at_least, assert_at_most, assert_naive_fails, emitter, harness, lambert,
-    report,
+    report, report_above,
 };
 use glam::{Mat3, Vec3};
 use steradian::RenderSettings;
@@ -97,4 +97,6 @@ fn h2_weights_of_both_ways_add_up_to_one() {
         beyond / met.len() as f64,
     );
     assert_at_most("H2", "largest |sum of the weights - 1|, 1e6 vertices", worst, 1e-5);
+    let why = "the density is that of the point which the ray met";
+    report_above("H2", "largest |sum of the weights - 1|, 1e6 vertices", worst, 1e-6, why);
 }
