@@ -250,6 +250,21 @@ fn the_truth_knows_what_it_knows() {
     assert_eq!(truth.resolved(0.99 * 5e-3 * per_deviation), 2.0 / 3.0 - 1.0 / 3.0);
 }
 
+/// Runs without any spread: what is uncertain of their bias is the truth.
+#[test]
+fn the_bias_is_no_better_known_than_the_truth() {
+    let values = [(1.0, 0.0), (1.9999, 0.02), (1e-4, 5e-5)];
+    let truth = streams(values);
+    let mut coverage = Coverage::new(&truth, TOLERANCE);
+    for _ in 0..3 {
+        coverage.add_adaptive(&stopped(&values.map(|v| v.0), 64, CONVERGED), 1.0, 0.0);
+        coverage.add_uniform(&film(&[0.9; 3], 64), 64, 1.0);
+    }
+    let bias = coverage.report(0.95, 64, 4096).bias;
+    let half = truth.picture_mean().standard_error * student_t_quantile(0.975, 15.0);
+    assert!(bias.value.abs() < 1e-6 && (bias.high / half - 1.0).abs() < 1e-3, "{bias:?} {half}");
+}
+
 #[test]
 fn parts_of_the_truth_count_by_their_samples() {
     let mut truth = Truth::new(1, 2);
