@@ -19,6 +19,11 @@ fn main(
         return;
     }
     let block = film[entry];
+    // A round that was broken off has not reached all pixels; past the end of the list are those
+    // of a longer one.
+    if block.sample_count == 0u {
+        return;
+    }
     let pixel = block.pixel;
     var t = tallies[pixel];
     let count_before = t.sample_count;

@@ -111,7 +111,7 @@ impl Renderer {
             ..Default::default()
         };
         Ok(Self {
-            pace: Pace::new(&device, settings.samples_per_block(), tuning),
+            pace: Pace::new(&device, settings.largest_block(), tuning),
             device,
             settings: settings.clone(),
             _scene: gpu_scene,

@@ -130,6 +130,11 @@ impl RenderSettings {
         self.stopping_rule().map_or(self.block_size, |rule| rule.unit())
     }
 
+    /// Samples of the largest block: more where pixels stop early, and have many samples.
+    pub fn largest_block(&self) -> u32 {
+        self.stopping_rule().map_or(self.block_size, |rule| rule.largest_block())
+    }
+
     /// Checks what cannot be rendered.
     ///
     /// # Errors

@@ -8,6 +8,10 @@ fn calibrated_variance(t: Tally) -> f32 {
 }
 
 fn calibrated_half_width(pixel: u32, own: Tally) -> f32 {
+    // One run has no spread: as before it was judged.
+    if own.sample_count < 2u * frame.block_unit {
+        return own.half_width;
+    }
     let at = vec2<i32>(tile_pixel(pixel / TILE_PIXELS, pixel % TILE_PIXELS));
     var sum = own.variance;
     var count = 1.0;

@@ -1,5 +1,6 @@
 //! `steradian bench --coverage`.
 
+use super::destination::check_place;
 use super::flags::BenchFlags;
 use super::job::Job;
 use super::talk;
@@ -47,7 +48,7 @@ struct Row<'a> {
     device: &'a str,
     driver: &'a str,
     rule: &'a str,
-    tolerance: f64,
+    tolerance: f32,
     confidence: f64,
     runs: u32,
     limit: u32,
@@ -97,6 +98,9 @@ impl From<&CoverageReport> for Figures {
 
 /// Measures, and prints a table.
 pub(super) fn run(flags: &BenchFlags) -> Result<ExitCode> {
+    if let Some(path) = &flags.json {
+        check_place(path)?;
+    }
     let job = Job::new(&flags.scene, &flags.job)?;
     let Some(StoppingRule::Calibrated(asked)) = job.settings.stopping_rule() else {
         let message = "--coverage: the tolerance of --noise must be more than 0";
@@ -115,7 +119,7 @@ pub(super) fn run(flags: &BenchFlags) -> Result<ExitCode> {
             device: &device.info().name,
             driver: &device.info().driver,
             rule: name,
-            tolerance: asked.tolerance.into(),
+            tolerance: asked.tolerance,
             confidence: asked.confidence,
             runs: flags.runs,
             limit: job.settings.spp,
@@ -213,6 +217,11 @@ fn render(renderer: &mut Renderer, seed: u32) -> Result<&Film> {
     Ok(renderer.film())
 }
 
+/// As it was given: 7 and not 7.000000029802322.
+fn percent(share: f32) -> f64 {
+    (f64::from(share) * 1e8).round() / 1e6
+}
+
 /// Markdown.
 fn table(rows: &[Row]) -> String {
     let mut text = String::from(
@@ -231,7 +240,7 @@ fn table(rows: &[Row]) -> String {
              | {least}/{mean:.0}/{most} | {:.2} | {} | {} | {:.1} % |",
             row.scene,
             row.rule,
-            100.0 * row.tolerance,
+            percent(row.tolerance),
             interval(r.coverage),
             r.tenth_percentile,
             r.tenth_percentile_by_chance,

@@ -77,7 +77,7 @@ fn picture(path: &Path, flags: &RenderFlags) -> Result<Picture> {
 
 /// That a file can be made at `path`: its folder is there and lets a file be
 /// created, which alone tells of permissions, read-only disks and full ones.
-fn check_place(path: &Path) -> Result<()> {
+pub(super) fn check_place(path: &Path) -> Result<()> {
     let failure =
         |path: &Path, kind, reason: &str| Err(Error::io(path, IoError::new(kind, reason)));
     if path.is_dir() {

@@ -205,7 +205,7 @@ pub(super) struct BenchFlags {
 
     /// How well the rules by which pixels stop keep their word: many runs of each against a
     /// truth that is known to a tenth of the tolerance
-    #[arg(long, required = true, requires = "noise")]
+    #[arg(long, required = true, requires = "noise", conflicts_with_all = ["time", "seed"])]
     pub(super) coverage: bool,
 
     /// Runs of each rule
@@ -216,8 +216,8 @@ pub(super) struct BenchFlags {
     #[arg(long, value_name = "RULE,...", value_delimiter = ',', default_value = "seed,default,strict", value_parser = values::one_of(RULES))]
     pub(super) rules: Vec<Rule>,
 
-    /// Samples of a pixel that the truth may take
-    #[arg(long, value_name = "N", default_value_t = 262_144)]
+    /// Samples of a pixel that the truth may take; 4096 at least
+    #[arg(long, value_name = "N", default_value_t = 262_144, value_parser = clap::value_parser!(u32).range(4096..))]
     pub(super) truth_spp: u32,
 
     /// The figures as JSON

@@ -123,9 +123,10 @@ pub(super) fn block_size(text: &str) -> Parsed<u32> {
 
 /// A share of a whole: a number from 0 to 1, or a percentage.
 pub(super) fn share(text: &str) -> Parsed<f32> {
-    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
+    let (number, whole) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 100.0));
     match number.trim().parse::<f32>() {
-        Ok(value) if (0.0..=1.0).contains(&(unit * value)) => Ok(unit * value),
+        // Divided, 5% is 0.05; times 0.01 it would be off by a rounding.
+        Ok(value) if (0.0..=whole).contains(&value) => Ok(value / whole),
         _ => Err("expected a share from 0 to 1, such as 0.05 or 5%".into()),
     }
 }

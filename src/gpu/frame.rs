@@ -44,9 +44,7 @@ impl SceneBuffers {
             attribute_stride: self.world.attribute_stride,
             dispatch_tile_count: 0,
             block_unit: settings.samples_per_block(),
-            largest_block: settings
-                .stopping_rule()
-                .map_or(settings.block_size, |rule| rule.largest_block()),
+            largest_block: settings.largest_block(),
             sample_limit: settings.spp,
             padding_0: 0,
         }

@@ -10,9 +10,6 @@ use crate::shader::{Feature, Features};
 use crate::stopping::StoppingRule;
 use bytemuck::Zeroable;
 
-/// Workgroups in a row of a dispatch, at most: what every device allows.
-const MOST_GROUPS: u32 = 65_535;
-
 /// The pixels that go on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ActiveList {
@@ -41,6 +38,8 @@ pub struct Adaptive {
     dispatch_readback: Readback,
     stopping_buffer: wgpu::Buffer,
     stopping: GpuStopping,
+    /// Workgroups in a row of a dispatch, at most.
+    row_groups: u32,
 }
 
 impl Adaptive {
@@ -108,6 +107,7 @@ impl Adaptive {
             dispatch,
             stopping_buffer,
             stopping,
+            row_groups: tuning.row_groups,
         })
     }
 
@@ -134,7 +134,8 @@ impl Adaptive {
     /// [`crate::Error::DeviceLost`].
     pub fn accumulate(&self, device: &Device, active_count: u32) -> Result<()> {
         let mut encoder = device.device.create_command_encoder(&Default::default());
-        self.accumulate.run(&mut encoder, active_count.div_ceil(TILE_PIXELS));
+        let groups = active_count.div_ceil(TILE_PIXELS);
+        self.accumulate.run(&mut encoder, groups, self.row_groups);
         device.queue.submit([encoder.finish()]);
         device.wait()
     }
@@ -149,9 +150,9 @@ impl Adaptive {
         device.queue.write_buffer(&self.stopping_buffer, 0, bytemuck::bytes_of(&self.stopping));
         let tiles = self.stopping.tile_count;
         let mut encoder = device.device.create_command_encoder(&Default::default());
-        self.judge.run(&mut encoder, tiles);
-        self.scan.run(&mut encoder, 1);
-        self.compact.run(&mut encoder, tiles);
+        self.judge.run(&mut encoder, tiles, self.row_groups);
+        self.scan.run(&mut encoder, 1, 1);
+        self.compact.run(&mut encoder, tiles, self.row_groups);
         device.queue.submit([encoder.finish()]);
         let dispatch: Vec<GpuDispatch> = self.dispatch_readback.read(device, &self.dispatch, 1)?;
         Ok(ActiveList {
@@ -162,7 +163,7 @@ impl Adaptive {
 
     /// Prepares the path tracer's next dispatch; its size is in the buffer that is given back.
     pub(super) fn fit_dispatch(&self, encoder: &mut wgpu::CommandEncoder) -> &wgpu::Buffer {
-        self.dispatch_size.run(encoder, 1);
+        self.dispatch_size.run(encoder, 1, 1);
         &self.dispatch
     }
 
@@ -177,11 +178,12 @@ impl Adaptive {
 }
 
 impl Step {
-    fn run(&self, encoder: &mut wgpu::CommandEncoder, workgroups: u32) {
+    /// In rows of at most `row_groups`: the last one is filled up.
+    fn run(&self, encoder: &mut wgpu::CommandEncoder, workgroups: u32, row_groups: u32) {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.kernel.pipeline);
         pass.set_bind_group(0, &self.bind_group, &[]);
-        let columns = workgroups.min(MOST_GROUPS);
+        let columns = workgroups.clamp(1, row_groups);
         pass.dispatch_workgroups(columns, workgroups.div_ceil(columns), 1);
     }
 }

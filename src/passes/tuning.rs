@@ -3,6 +3,9 @@
 use crate::shader::generated::WORKGROUP_SIZE;
 use crate::shader::{Library, library};
 
+/// Workgroups along one side of a dispatch that every device allows.
+const MOST_GROUPS: u32 = 65_535;
+
 /// Choices that no bit of a picture depends on, as long as the library is the program's own.
 #[derive(Debug, Clone)]
 pub struct Tuning {
@@ -14,6 +17,8 @@ pub struct Tuning {
     pub submit_seconds: f64,
     /// Samples of a pixel in one submission, at most.
     pub submit_samples: u32,
+    /// Workgroups in a row of a dispatch, at most.
+    pub row_groups: u32,
 }
 
 impl Default for Tuning {
@@ -23,6 +28,7 @@ impl Default for Tuning {
             workgroup_size: WORKGROUP_SIZE,
             submit_seconds: 0.075,
             submit_samples: u32::MAX,
+            row_groups: MOST_GROUPS,
         }
     }
 }

@@ -18,6 +18,8 @@ pub(super) struct Rounds {
     pixel_count: u32,
     /// Pixels on the list.
     pub(super) active_count: u32,
+    /// Samples of the one that has most.
+    most_samples: u32,
     /// The next block of each.
     pub(super) sweep: Sweep,
 }
@@ -57,6 +59,7 @@ impl Rounds {
             limit: settings.spp,
             pixel_count: list.pixel_count,
             active_count: list.pixel_count,
+            most_samples: 0,
             sweep: sweep(list),
         })
     }
@@ -64,6 +67,7 @@ impl Rounds {
     /// Begins anew.
     pub(super) fn restart(&mut self, device: &Device) -> Result<()> {
         let list = self.pass.begin(device)?;
+        self.most_samples = 0;
         self.next_round(list);
         Ok(())
     }
@@ -82,6 +86,7 @@ impl Rounds {
     ) -> Result<bool> {
         self.pass.accumulate(device, self.active_count)?;
         let counts = || blocks.iter().map(|block| block.sample_first + block.sample_count);
+        self.most_samples = counts().max().unwrap_or(self.most_samples);
         let decides = counts().any(|n| self.rule.decides_at(n) || n >= self.limit);
         let list = if decides {
             let floor = match &self.rule {
@@ -114,9 +119,10 @@ impl Rounds {
         Ok((0..window.width * window.height).map(stop).collect())
     }
 
-    /// Share of the pixels that are done.
+    /// Share of the pixels that are done, with that of the limit's samples for those that are not.
     pub(super) fn progress(&self) -> f64 {
-        1.0 - f64::from(self.active_count) / f64::from(self.pixel_count.max(1))
+        let active = f64::from(self.active_count) / f64::from(self.pixel_count.max(1));
+        1.0 - active * (1.0 - f64::from(self.most_samples) / f64::from(self.limit))
     }
 }
 

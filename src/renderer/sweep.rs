@@ -48,9 +48,9 @@ pub(super) struct Sweep {
 }
 
 impl Pace {
-    pub(super) fn new(device: &Device, block_size: u32, tuning: &Tuning) -> Self {
+    pub(super) fn new(device: &Device, largest_block: u32, tuning: &Tuning) -> Self {
         let is_software = device.info().kind == DeviceKind::Cpu;
-        let most_samples = if is_software { SOFTWARE_SAMPLES } else { block_size };
+        let most_samples = if is_software { SOFTWARE_SAMPLES } else { largest_block };
         Self {
             most_samples: most_samples.min(tuning.submit_samples),
             target_seconds: tuning.submit_seconds,

@@ -51,7 +51,7 @@ pub struct Evidence {
 /// What follows for a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judgement {
-    /// Half-width of the interval of the mean luminance.
+    /// Half-width of the interval of the mean luminance; infinite with fewer than two runs.
     pub half_width: f32,
     /// Whether it may stop.
     pub is_done: bool,
@@ -140,7 +140,9 @@ impl CalibratedRule {
         let outlier = (own.largest - own.mean).max(0.0) / (n / UNIT as f32 + 1.0);
         let variance =
             own.variance.max(sum / count) / n + constants.outlier_weight * outlier * outlier;
-        let half_width = constants.factor * variance.sqrt();
+        let has_spread = own.sample_count >= 2 * UNIT;
+        let half_width =
+            if has_spread { constants.factor * variance.sqrt() } else { f32::INFINITY };
         let is_lit = own.mean > 0.0;
         let least = if is_lit { constants.least_samples } else { constants.black_samples };
         let is_done =
@@ -192,6 +194,15 @@ mod tests {
         });
         assert!(middle(&picture, Preset::Default).is_done);
         assert!(!middle(&picture, Preset::Strict).is_done);
+    }
+
+    #[test]
+    fn one_run_gives_no_interval() {
+        let judged = |sample_count| {
+            middle(&[Evidence { sample_count, ..QUIET }; 9], Preset::Default).half_width
+        };
+        assert_eq!(judged(15), f32::INFINITY);
+        assert!(judged(16).is_finite());
     }
 
     #[test]

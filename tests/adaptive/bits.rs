@@ -17,13 +17,13 @@ const NEVER: f32 = 1e-9;
 #[test]
 fn a_rule_that_never_stops_changes_nothing() {
     // 100 samples end within a block of 8.
-    let fixed = RenderSettings { block_size: 8, ..settings(40, 24, 100) };
+    let fixed = RenderSettings { block_size: 8, ..settings(38, 21, 100) };
     let (expected, _) = render(&scene(), &fixed);
     for rule in [calibrated(NEVER, Preset::Default), seed(32, NEVER)] {
         let (film, statistics) = render(&scene(), &with_rule(rule, 100));
         // A pixel whose samples are equal so far stops all the same.
-        let all: Vec<_> = (0..40 * 24).filter(|&i| film.sample_counts()[i] == 100).collect();
-        assert!(all.len() > 480, "{} pixels have all samples: no test", all.len());
+        let all: Vec<_> = (0..38 * 21).filter(|&i| film.sample_counts()[i] == 100).collect();
+        assert!(all.len() > 400, "{} pixels have all samples: no test", all.len());
         // Up to 128 samples the blocks are the same: so are the bits.
         for i in all {
             assert_eq!(bits(&film)[i], bits(&expected)[i], "pixel {i}");
@@ -56,7 +56,7 @@ fn long_blocks_have_the_same_samples() {
 
 #[test]
 fn a_tolerance_of_zero_is_no_rule() {
-    let (expected, _) = render(&scene(), &settings(40, 24, 48));
+    let (expected, _) = render(&scene(), &settings(38, 21, 48));
     for rule in [calibrated(0.0, Preset::Strict), seed(32, 0.0)] {
         let (film, statistics) = render(&scene(), &with_rule(rule, 48));
         assert_eq!(bits(&film), bits(&expected));
@@ -77,6 +77,8 @@ fn check_cuts(rule: StoppingRule) {
         Tuning { submit_samples: 1, submit_seconds: 10.0, ..Tuning::default() },
         Tuning { workgroup_size: 256, ..Tuning::default() },
         Tuning { workgroup_size: 8, ..Tuning::default() },
+        // Rows that are filled up reach beyond the end of the list.
+        Tuning { row_groups: 4, ..Tuning::default() },
     ];
     for tuning in cuts {
         let (film, other) = render_with(&scene(), &settings, &tuning);
@@ -113,7 +115,7 @@ fn a_restart_forgets_everything() {
             renderer.restart(seed).unwrap();
             while renderer.step().unwrap() {}
             renderer.finish().unwrap();
-            assert!(renderer.statistics().samples <= 128 * 40 * 24);
+            assert!(renderer.statistics().samples <= 128 * 38 * 21);
             (renderer.film().clone(), renderer.statistics().samples)
         };
         let (other, _) = of_seed(settings.seed + 1);
@@ -133,4 +135,45 @@ fn stopped_pixels_trace_no_rays() {
     let counted: u64 = film.sample_counts().iter().map(|&n| u64::from(n)).sum();
     assert_eq!((statistics.samples, statistics.closest_rays), (counted, counted));
     assert!(film.most_samples() == 512 && film.least_samples() == 8);
+}
+
+/// Broken off within a round, where some pixels have samples of it and others have none.
+#[test]
+fn a_broken_off_round_leaves_what_was_known() {
+    use crate::common::with_device;
+    use steradian::Renderer;
+    // One sample of one tile at a time: 15 tiles.
+    let tuning = Tuning { submit_seconds: 1e-9, ..Tuning::default() };
+    let settings = with_rule(calibrated(NEVER, Preset::Default), 4096);
+    with_device(|device| {
+        let mut renderer = Renderer::with_tuning(device, &scene(), &settings, &tuning).unwrap();
+        // 64 samples, after which all are judged, and one more for half of the tiles.
+        while renderer.film().least_samples() < 64 {
+            assert!(renderer.step().unwrap());
+        }
+        for _ in 0..7 {
+            assert!(renderer.step().unwrap());
+        }
+        renderer.finish().unwrap();
+        let film = renderer.film();
+        assert_eq!((film.least_samples(), film.most_samples()), (64, 65));
+        let stops = film.stops().unwrap();
+        let unfinished = stops.iter().filter(|s| s.reason == StopReason::Unfinished).count();
+        assert!(unfinished == stops.len(), "{unfinished}");
+        for (i, stop) in stops.iter().enumerate() {
+            assert!(stop.half_width >= 0.0 && stop.half_width.is_finite(), "{i}: {stop:?}");
+        }
+    });
+}
+
+/// Fewer samples than two units: nothing is known of the error.
+#[test]
+fn one_run_gives_no_interval() {
+    for spp in [4, 15] {
+        let (film, _) = render(&scene(), &with_rule(calibrated(0.1, Preset::Default), spp));
+        assert_eq!(film.least_samples(), spp);
+        for stop in film.stops().unwrap() {
+            assert_eq!((stop.reason, stop.half_width), (StopReason::Limit, f32::INFINITY));
+        }
+    }
 }

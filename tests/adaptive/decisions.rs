@@ -18,10 +18,10 @@ fn luminance(c: [f32; 3]) -> f64 {
 /// Mean luminance of each block of `block_size` samples of every pixel: differences of the sums
 /// of a picture that becomes better.
 fn blocks(block_size: u32, spp: u32) -> Vec<Vec<f64>> {
-    let settings = RenderSettings { block_size, ..settings(40, 24, spp) };
+    let settings = RenderSettings { block_size, ..settings(38, 21, spp) };
     with_device(|device| {
         let mut renderer = Renderer::new(device, &scene(), &settings).unwrap();
-        let (mut before, mut all) = (vec![0.0; 40 * 24], Vec::new());
+        let (mut before, mut all) = (vec![0.0; 38 * 21], Vec::new());
         while renderer.step().unwrap() {
             let count = renderer.film().least_samples();
             if count == block_size * all.len() as u32 {

@@ -29,9 +29,9 @@ fn seed(batch: u32, tolerance: f32) -> StoppingRule {
     StoppingRule::Seed(SeedRule { batch, tolerance })
 }
 
-/// Settings of a picture of 40 × 24 pixels, which tiles reach over, with that rule and limit.
+/// Settings of a picture of 38 × 21 pixels, which tiles reach over, with that rule and limit.
 fn with_rule(rule: StoppingRule, spp: u32) -> RenderSettings {
-    RenderSettings { stopping: Some(rule), ..settings(40, 24, spp) }
+    RenderSettings { stopping: Some(rule), ..settings(38, 21, spp) }
 }
 
 fn render_with(

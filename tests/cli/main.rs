@@ -7,6 +7,7 @@ mod pictures;
 mod reference;
 mod scene;
 mod signals;
+mod stopping;
 
 use serde_json::Value;
 use std::ffi::OsStr;
