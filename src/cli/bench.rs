@@ -23,6 +23,8 @@ const TRUTH_SHARE: f64 = 0.1;
 const TRUTH_PIXELS: f64 = 0.99;
 /// Samples of a stream's first part; each part after it doubles what there is.
 const TRUTH_FIRST: u32 = 256;
+/// Runs of a rule that tell how many samples it takes.
+const PILOT: u32 = 4;
 /// First seeds of runs, of their uniform counterparts, and of the truth's parts.
 const SEEDS: [u32; 3] = [1, 1 << 20, 1 << 21];
 
@@ -190,20 +192,27 @@ impl Bench<'_> {
         };
         let mut coverage = Coverage::new(truth, tolerance.into());
         let adaptive = RenderSettings { stopping: Some(rule), ..self.job.settings.clone() };
-        let mut renderer = self.renderer(&adaptive)?;
-        for k in 0..self.runs {
-            render(&mut renderer, SEEDS[0] + k)?;
-            let s = renderer.statistics();
-            coverage.add_adaptive(renderer.film(), s.render_seconds, s.stopping_seconds);
+        let mut adaptive = self.renderer(&adaptive)?;
+        let mut run_adaptive = |coverage: &mut Coverage, k| {
+            render(&mut adaptive, SEEDS[0] + k)?;
+            let s = adaptive.statistics();
+            coverage.add_adaptive(adaptive.film(), s.render_seconds, s.stopping_seconds);
+            Ok::<_, Error>(())
+        };
+        for k in 0..PILOT {
+            run_adaptive(&mut coverage, k)?;
         }
         let spp = coverage.equal_spp();
-        talk::line(&format!("{name}: {} runs, {spp} spp on average", self.runs));
+        talk::line(&format!("{name}: {spp} spp on average"));
         let uniform = RenderSettings { stopping: None, spp, ..self.job.settings.clone() };
-        let mut renderer = self.renderer(&uniform)?;
+        let mut uniform = self.renderer(&uniform)?;
+        // By turns, so that what else the machine does falls on both.
         for k in 0..self.runs {
-            render(&mut renderer, SEEDS[1] + k)?;
-            let seconds = renderer.statistics().render_seconds;
-            coverage.add_uniform(renderer.film(), spp, seconds);
+            if k + PILOT < self.runs {
+                run_adaptive(&mut coverage, k + PILOT)?;
+            }
+            render(&mut uniform, SEEDS[1] + k)?;
+            coverage.add_uniform(uniform.film(), spp, uniform.statistics().render_seconds);
         }
         Ok(coverage.report(self.asked.confidence, first, self.job.settings.spp))
     }
