@@ -47,11 +47,11 @@ pub(super) struct StoppingFlags {
     noise: Option<f32>,
 
     /// Confidence of that interval
-    #[arg(long, value_name = "P", requires = "noise", value_parser = values::confidence)]
+    #[arg(long, value_name = "P", requires = "noise", conflicts_with = "adaptive", value_parser = values::confidence)]
     confidence: Option<f64>,
 
     /// How much evidence a pixel needs
-    #[arg(long, requires = "noise", value_parser = values::one_of(PRESETS))]
+    #[arg(long, requires = "noise", conflicts_with = "adaptive", value_parser = values::one_of(PRESETS))]
     preset: Option<Preset>,
 
     /// Each pixel until 1.96 standard errors are this share of its mean, tested every BATCH
