@@ -97,7 +97,8 @@ impl CalibratedRule {
                 least_samples: 256,
                 black_samples: BLACK_SAMPLES,
                 factor: factor(2.05),
-                consistency: f32::MAX,
+                // A million standard errors: all of them.
+                consistency: 1e12,
                 outlier_weight: 0.0,
             },
         }
