@@ -209,9 +209,9 @@ pub(crate) fn run(program: &Program) -> Result<String, String> {
          on walls and floor as well, faintly. The seed's rule stops pixels that have not met it yet,\n\
          for good: a large part of those it stops are too dark, none too bright, and the whole picture\n\
          lacks light that no longer limit brings back. Ours saves next to nothing here, and took\n\
-         longer than uniform sampling: at this limit few pixels can know their mean to 5 %. The picture's mean is right within its\n\
-         noise, but of the few pixels that it stops more than one in twenty are still too dark, fewer\n\
-         with the strict preset.\n\n\
+         longer than uniform sampling: at this limit few pixels can know their mean to 5 %. The picture's\n\
+         mean is right within its noise, but of the few pixels that it stops more than one in twenty are\n\
+         still too dark, fewer with the strict preset.\n\n\
          {caustic}\n{}",
         commands(calls.iter().map(String::as_str)),
     ))
