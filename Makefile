@@ -8,8 +8,8 @@ DEMO_RESOLUTION ?= 320x320
 DEMO_SPP ?= 48
 # Which cases: all of them, which takes hours on two cores; nothing, for those of `make test`.
 NUMERICS ?= --include-ignored
-# Which study of the gallery: trees, hemisphere, shadows, parts, bounces, rates, roulette; all by
-# default, which takes about ten minutes on two idle cores.
+# Which study of the gallery: trees, hemisphere, shadows, parts, bounces, rates, roulette,
+# adaptive; all by default, which takes about twenty minutes on two idle cores.
 STUDY ?=
 BENCH_SCENE ?= scenes/cornell-spheres/cornell-spheres.gltf
 

@@ -9,6 +9,7 @@
 //! are rendered by calls of the program, which the page prints, into out/gallery/; those that are
 //! newer than the program and their scene are not rendered again.
 
+mod adaptive;
 mod bounces;
 mod clock;
 mod direct;
@@ -43,7 +44,7 @@ const STUDIES: &[Study] = &[
     Study { name: "bounces", title: "Limits on bounces", run: bounces::limits },
     Study { name: "rates", title: "Samples per pixel", run: rates::run },
     Study { name: "roulette", title: "Russian roulette", run: roulette::run },
-    // Adaptive sampling goes here, in a file of its own.
+    Study { name: "adaptive", title: "Adaptive sampling", run: adaptive::run },
 ];
 
 fn main() -> ExitCode {

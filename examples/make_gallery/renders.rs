@@ -29,6 +29,8 @@ pub(crate) struct Shot {
     /// The call, as one may repeat it in the repository root.
     pub(crate) command: String,
     pub(crate) picture: Picture,
+    /// The file of the picture, with its other layers.
+    pub(crate) exr: PathBuf,
     /// What `--stats` wrote.
     pub(crate) stats: Value,
     /// Processor time of the call, all threads, less that of the same call at one sample
@@ -75,10 +77,11 @@ impl Job {
                 "--light-samples" => "-l",
                 "--seed" => "-s",
                 "--crop" => "-crop",
-                "--strategy" | "--sampler" | "--accel" => "-",
+                "--noise" => "-noise",
+                "--strategy" | "--sampler" | "--accel" | "--adaptive" | "--preset" => "-",
                 other => other,
             };
-            stem += words.next().unwrap_or_default();
+            stem += &words.next().unwrap_or_default().replace(':', "");
         }
         stem
     }
@@ -130,7 +133,7 @@ impl Program {
         let command = format!("steradian {}", job.arguments());
         let faults = stats["faults"].as_object();
         let faults = faults.map_or(0, |f| f.values().filter_map(Value::as_u64).sum());
-        Ok(Shot { command, picture, stats, seconds, faults })
+        Ok(Shot { command, picture, exr, stats, seconds, faults })
     }
 
     fn render(&self, job: &Job, time: &str) -> Result<(), String> {
