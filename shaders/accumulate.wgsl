@@ -38,6 +38,9 @@ fn main(
     }
     let is_due = runs_decide(t.sample_count);
 #endif
+    if block.closest_ray_count > block.sample_count {
+        t.is_lightable = 1u;
+    }
     t.is_estimated = 0u;
     if is_due || t.sample_count >= frame.sample_limit {
 #if SEED_RULE

@@ -36,7 +36,8 @@ fn calibrated_half_width(pixel: u32, own: Tally) -> f32 {
 
 // A pixel that has stopped is judged again: its neighbours may have learnt of light that it missed.
 fn calibrated_is_done(own: Tally, half_width: f32) -> bool {
-    let least = select(stopping.black_samples, stopping.least_samples, own.mean > 0.0);
+    let is_hopeful = own.mean == 0.0 && own.is_lightable != 0u;
+    let least = select(stopping.least_samples, stopping.black_samples, is_hopeful);
     return own.sample_count >= least
         && half_width <= stopping.tolerance * max(own.mean, stopping.floor);
 }

@@ -13,6 +13,8 @@ struct Tally {
     half_width: f32,
     // A STOP_ reason.
     reason: u32,
+    // 1: a path of the pixel went on from the first surface: it might have found light.
+    is_lightable: u32,
     // 1: mean and variance are of all samples.
     is_estimated: u32,
     // Mean of the first block, to which others are held as differences.
@@ -27,7 +29,7 @@ struct Stopping {
     tolerance: f32,
     // Luminance that darker pixels count as.
     floor: f32,
-    // Samples before a pixel may stop, and before a black one may.
+    // Samples before a pixel may stop, and before a black one may that light could reach.
     least_samples: u32,
     black_samples: u32,
     // Standard errors in a half-width.

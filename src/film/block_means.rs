@@ -43,7 +43,7 @@ impl BlockMeans {
         let in_run = self.unit_count % units_per_run;
         debug_assert!(in_run + units <= units_per_run, "a block reaches over the end of a run");
         self.unit_count += units;
-        if self.unit_count % units_per_run != 0 {
+        if !self.unit_count.is_multiple_of(units_per_run) {
             return;
         }
         self.runs[complete] = (self.pending / f64::from(units_per_run)) as f32;

@@ -89,7 +89,7 @@ impl Film {
             *total += m * n;
         }
         self.sample_count[i] += block.sample_count;
-        if block.sample_count % self.unit == 0 {
+        if block.sample_count.is_multiple_of(self.unit) {
             self.means[i].add(luminance(block.mean), block.sample_count / self.unit);
         }
     }

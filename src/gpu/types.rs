@@ -81,6 +81,7 @@ gpu_struct! {
         sample_count: u32,
         half_width: f32,
         reason: u32,
+        is_lightable: u32,
         is_estimated: u32,
         first: f32,
         pending: f32,

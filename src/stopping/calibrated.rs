@@ -8,7 +8,8 @@ pub(super) const UNIT: u32 = 8;
 /// Means count as at least this share of the picture's mean luminance.
 const FLOOR: f32 = 0.01;
 
-/// Samples that a black pixel takes before it counts as black.
+/// Samples that a black pixel takes before it counts as black, if its paths meet surfaces from
+/// which they go on. An empty background is black for good.
 const BLACK_SAMPLES: u32 = 1024;
 
 /// How much evidence a pixel needs.
@@ -42,6 +43,8 @@ pub struct Evidence {
     pub mean: f32,
     /// Variance of one sample: that of the mean times the samples.
     pub variance: f32,
+    /// Whether a path went on from the first surface: it might have found light.
+    pub is_lightable: bool,
     /// Largest mean of a block of samples, as it would be of the smallest block.
     pub largest: f32,
     /// Samples.
@@ -62,7 +65,7 @@ pub struct Judgement {
 pub struct Constants {
     /// Samples before a pixel may stop.
     pub least_samples: u32,
-    /// Samples before a black pixel may stop.
+    /// Samples before a black pixel may stop that light could reach.
     pub black_samples: u32,
     /// Standard errors in a half-width.
     pub factor: f32,
@@ -144,8 +147,8 @@ impl CalibratedRule {
         let has_spread = own.sample_count >= 2 * UNIT;
         let half_width =
             if has_spread { constants.factor * variance.sqrt() } else { f32::INFINITY };
-        let is_lit = own.mean > 0.0;
-        let least = if is_lit { constants.least_samples } else { constants.black_samples };
+        let is_hopeful = own.mean == 0.0 && own.is_lightable;
+        let least = if is_hopeful { constants.black_samples } else { constants.least_samples };
         let is_done =
             own.sample_count >= least && half_width <= self.tolerance * own.mean.max(floor);
         Judgement { half_width, is_done }
@@ -156,7 +159,8 @@ impl CalibratedRule {
 mod tests {
     use super::*;
 
-    const QUIET: Evidence = Evidence { mean: 1.0, variance: 0.01, largest: 1.1, sample_count: 256 };
+    const QUIET: Evidence =
+        Evidence { mean: 1.0, variance: 0.01, largest: 1.1, is_lightable: true, sample_count: 256 };
 
     /// The middle one of nine pixels.
     fn middle(picture: &[Evidence; 9], preset: Preset) -> Judgement {
@@ -176,7 +180,13 @@ mod tests {
     #[test]
     fn what_a_neighbour_has_seen_counts() {
         let mut picture = [QUIET; 9];
-        picture[0] = Evidence { mean: 1.5, variance: 64.0, largest: 64.0, sample_count: 256 };
+        picture[0] = Evidence {
+            mean: 1.5,
+            variance: 64.0,
+            largest: 64.0,
+            is_lightable: true,
+            sample_count: 256,
+        };
         for preset in [Preset::Default, Preset::Strict] {
             assert!(middle(&[QUIET; 9], preset).is_done);
             assert!(!middle(&picture, preset).is_done, "{preset:?}");
@@ -187,12 +197,7 @@ mod tests {
     #[test]
     fn an_edge_holds_nobody_by_default() {
         let mut picture = [QUIET; 9];
-        picture[..3].fill(Evidence {
-            mean: 40.0,
-            variance: 25.0,
-            largest: 42.0,
-            sample_count: 256,
-        });
+        picture[..3].fill(Evidence { mean: 40.0, variance: 25.0, largest: 42.0, ..QUIET });
         assert!(middle(&picture, Preset::Default).is_done);
         assert!(!middle(&picture, Preset::Strict).is_done);
     }
@@ -208,10 +213,13 @@ mod tests {
 
     #[test]
     fn black_pixels_take_a_thousand_samples() {
-        let black = |sample_count| Evidence { sample_count, ..Evidence::default() };
+        let black =
+            |sample_count| Evidence { sample_count, is_lightable: true, ..Evidence::default() };
         for preset in [Preset::Default, Preset::Strict] {
             assert!(!middle(&[black(512); 9], preset).is_done);
             assert!(middle(&[black(1024); 9], preset).is_done);
+            let empty = Evidence { is_lightable: false, ..black(256) };
+            assert!(middle(&[empty; 9], preset).is_done);
         }
     }
 }

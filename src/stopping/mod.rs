@@ -78,9 +78,9 @@ impl StoppingRule {
             Self::Calibrated(_) => {
                 let (per_run, complete) = runs(sample_count / calibrated::UNIT);
                 let run = per_run * calibrated::UNIT;
-                complete >= RUNS / 2 && sample_count % (run * RUNS as u32 / 4) == 0
+                complete >= RUNS / 2 && sample_count.is_multiple_of(run * RUNS as u32 / 4)
             }
-            Self::Seed(rule) => sample_count % rule.batch == 0,
+            Self::Seed(rule) => sample_count.is_multiple_of(rule.batch),
         }
     }
 }

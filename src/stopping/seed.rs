@@ -23,7 +23,7 @@ impl SeedRule {
     /// pixel that stops after one batch has an estimate of its error.
     pub(super) fn unit(&self) -> u32 {
         let most = (self.batch / 4).clamp(1, MOST_BLOCK_SAMPLES);
-        let fits = |size: &u32| self.batch % size == 0;
+        let fits = |size: &u32| self.batch.is_multiple_of(*size);
         (1..=most).rev().find(fits).unwrap_or(1)
     }
 

@@ -4,7 +4,6 @@ use super::{calibrated, render, scene, seed, with_rule};
 use crate::common::{Stage, lambert, settings, with_device};
 use glam::Vec3;
 use steradian::film::Film;
-use steradian::scene::LightKind;
 use steradian::stopping::{
     CalibratedRule, Evidence, Preset, RunningSums, SeedRule, StopReason, StoppingRule,
 };
@@ -54,6 +53,7 @@ fn evidence(film: &Film) -> Vec<Evidence> {
     let of_pixel = |i: usize| Evidence {
         mean: luminance(film.picture().rgb[i]) as f32,
         variance: errors[i].powi(2) * counts[i] as f32,
+        is_lightable: true,
         largest: largest(i),
         sample_count: counts[i],
     };
@@ -137,24 +137,25 @@ fn the_seeds_rule_stops_where_its_formula_says() {
     assert!(stopped_early > 100, "{stopped_early} pixels stopped early: no test");
 }
 
-/// A small lit sphere in the dark: most pixels are black for ever.
+/// A sphere without any light: nothing behind it, and nothing to see of it.
 fn sphere_in_the_dark() -> steradian::scene::Scene {
     let mut stage = Stage::orthographic(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 1.0);
-    stage.sphere(Vec3::ZERO, 0.3, lambert(0.5));
-    stage.light(LightKind::Directional { direction: -Vec3::Z }, 3.0);
+    stage.sphere(Vec3::ZERO, 0.5, lambert(0.5));
     stage.scene
 }
 
 #[test]
-fn black_among_black_takes_its_samples() {
-    let corner = |rule| {
+fn what_light_could_reach_takes_its_samples_before_it_is_black() {
+    let corner_and_middle = |rule| {
         let (film, _) = render(&sphere_in_the_dark(), &with_rule(rule, 2048));
         let stops = film.stops().unwrap();
-        (film.sample_counts()[0], stops[0].reason, stops[0].half_width)
+        assert!(stops.iter().all(|s| (s.reason, s.half_width) == (StopReason::Converged, 0.0)));
+        let window = film.window();
+        let middle = window.height / 2 * window.width + window.width / 2;
+        [0, middle as usize].map(|i| film.sample_counts()[i])
     };
-    let black = (1024, StopReason::Converged, 0.0);
-    assert_eq!(corner(calibrated(0.1, Preset::Default)), black);
-    assert_eq!(corner(calibrated(0.1, Preset::Strict)), black);
+    assert_eq!(corner_and_middle(calibrated(0.1, Preset::Default)), [128, 1024]);
+    assert_eq!(corner_and_middle(calibrated(0.1, Preset::Strict)), [256, 1024]);
     // 0 ≤ 0: the seed's rule takes one batch for the answer.
-    assert_eq!(corner(seed(32, 0.1)), (32, StopReason::Converged, 0.0));
+    assert_eq!(corner_and_middle(seed(32, 0.1)), [32, 32]);
 }

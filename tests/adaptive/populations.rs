@@ -159,6 +159,7 @@ fn calibrated_rule(population: &Population, preset: Preset) -> Outcome {
             evidence[i] = Evidence {
                 mean: picture.rgb[i][0],
                 variance: errors[i].powi(2) * counts[i] as f32,
+                is_lightable: true,
                 largest: largest[i],
                 sample_count: counts[i],
             };

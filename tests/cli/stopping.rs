@@ -169,7 +169,7 @@ fn what_files_say_of_the_pixels_fits_together() {
     for i in 0..PIXELS {
         let (n, mean) = (noise.samples[i], noise.mean[i]);
         let half_width = f64::from(noise.half_width[i]);
-        assert!(n >= 128 && n <= 512 && n % 8 == 0, "pixel {i}: {n}");
+        assert!((128..=512).contains(&n) && n.is_multiple_of(8), "pixel {i}: {n}");
         let has_enough = n >= if mean > 0.0 { 128 } else { 1024 };
         // The device has the mean and the interval in f32.
         let allowed = 0.1 * mean.max(floor);

@@ -8,7 +8,7 @@ use crate::statistics::{Estimate, normal_quantile, student_t_quantile, wilson_in
 /// A grey picture of one row, with as many samples for every pixel.
 fn film(values: &[f64], samples: u32) -> Film {
     let window = Crop { x: 0, y: 0, width: values.len() as u32, height: 1 };
-    let mut film = Film::new(window, 1);
+    let mut film = Film::new(window, samples.max(1));
     for (x, &value) in values.iter().enumerate() {
         let block = BlockMean { mean: [value; 3], sample_count: samples };
         film.add_block(x as u32, 0, block);
@@ -40,7 +40,7 @@ fn report(runs: &[Film]) -> CoverageReport {
     let mut coverage = Coverage::new(&truth(&vec![1.0; pixels]), TOLERANCE);
     for (k, run) in runs.iter().enumerate() {
         coverage.add_adaptive(run, 1.0, 0.25);
-        let value = if k % 2 == 0 { 0.98 } else { 1.02 };
+        let value = if k.is_multiple_of(2) { 0.98 } else { 1.02 };
         coverage.add_uniform(&film(&vec![value; pixels], 64), 64, 1.0);
     }
     coverage.report(0.95, 64, 4096)
@@ -49,7 +49,7 @@ fn report(runs: &[Film]) -> CoverageReport {
 /// Every pixel is off in one of five runs, and one is never stopped.
 #[test]
 fn planted_coverage_is_found() {
-    let value = |run: usize, i: usize| if (run + i) % 5 == 0 { 1.2 } else { 1.04 };
+    let value = |run: usize, i: usize| if (run + i).is_multiple_of(5) { 1.2 } else { 1.04 };
     let reason = |i| if i == 7 { StopReason::Limit } else { StopReason::Converged };
     let run = |r| stopped(&(0..101).map(|i| value(r, i)).collect::<Vec<_>>(), 64, reason);
     let report = report(&(0..20).map(run).collect::<Vec<_>>());
@@ -230,7 +230,7 @@ fn the_percentile_by_chance_is_that_of_the_binomial() {
 /// 16 streams that differ by ± `spread` have a mean of known error.
 fn streams(pixels: [(f64, f64); 3]) -> Truth {
     let mut truth = Truth::new(3, 16);
-    let of = |k: usize| pixels.map(|(mean, d)| mean + if k % 2 == 0 { d } else { -d });
+    let of = |k: usize| pixels.map(|(mean, d)| mean + if k.is_multiple_of(2) { d } else { -d });
     truth.extend(64, |k| Ok::<_, ()>(film(&of(k), 64))).unwrap();
     truth
 }
