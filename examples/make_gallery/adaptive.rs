@@ -202,8 +202,8 @@ pub(crate) fn run(program: &Program) -> Result<String, String> {
          they show it themselves. The rule's own share is of the time on the clock.\n\n\
          **Diffuse.** All three save most of the samples, and have less error than uniform sampling with\n\
          as many. The seed's rule takes the samples for independent; ours looks at the spread of\n\
-         consecutive runs, which is smaller with Sobol points, so the default stops earlier. Black\n\
-         pixels at the rim stop at once by the seed's rule, and after 1024 samples at the earliest by ours.\n\n\
+         consecutive runs, which is smaller with Sobol points, so the default stops earlier. The black\n\
+         background at the rim stops at once by the seed's rule, and by ours when it may.\n\n\
          {diffuse}\n\
          **Mirror and glass.** The light that glass and mirror throw is found only by chance, and it falls\n\
          on walls and floor as well, faintly. The seed's rule stops pixels that have not met it yet,\n\
