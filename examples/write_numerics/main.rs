@@ -115,7 +115,10 @@ fn read(path: &str) -> Result<Vec<Figure>, String> {
 fn bar_row(bar: &Bar, figures: &[Figure]) -> String {
     let of_bar = |f: &&Figure| f.kind == Kind::Product && bar.cases.contains(&f.case.as_str());
     let judged: Vec<_> = figures.iter().filter(of_bar).collect();
-    let worst = judged.iter().max_by(|a, b| a.strain().total_cmp(&b.strain()));
+    // Lower bounds are mostly of counts that make a case worth its name: errors come first.
+    let strain = |f: &&&Figure| (f.bound == Some(Bound::AtMost), f.strain());
+    let by_strain = |a: &(bool, f64), b: &(bool, f64)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
+    let worst = judged.iter().max_by(|a, b| by_strain(&strain(a), &strain(b)));
     let measured = match worst {
         None if bar.number == 18 => "below".into(),
         None => "not measured".into(),
@@ -131,6 +134,21 @@ fn bar_row(bar: &Bar, figures: &[Figure]) -> String {
     };
     let row = [bar.text, &measured, bar.elsewhere].map(cell);
     format!("| {} | {} | {} | {} |\n", bar.number, row[0], row[1], row[2])
+}
+
+/// The figures that miss their bars, if any do.
+fn misses(figures: &[Figure]) -> String {
+    let missed: Vec<_> = figures.iter().filter(|f| f.kind == Kind::Product && !f.holds()).collect();
+    if missed.is_empty() {
+        return String::new();
+    }
+    let mut text = "\nMissed:\n\n".to_owned();
+    for f in missed {
+        let (figure, bound) = (number(f.figure.value()), f.bound_text());
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "- {}, {}: {figure}, bar {bound}", f.case, f.what);
+    }
+    text
 }
 
 fn letter_table(letter: char, name: &str, figures: &[Figure]) -> String {
@@ -180,6 +198,7 @@ fn page(figures: &[Figure], device: &str, cases: &str) -> String {
         count(false),
     );
     text.extend(BARS.iter().map(|bar| bar_row(bar, figures)));
+    text += &misses(figures);
     text.extend(LETTERS.iter().map(|(letter, name)| letter_table(*letter, name, figures)));
     text
 }
