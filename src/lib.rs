@@ -4,18 +4,20 @@
 //! ```text
 //!  glTF ─► scene ─► bvh ─► gpu ─► passes ─► film ─► image
 //!            └─► shader: features, composed WGSL ──┘
-//!          renderer   owns the scene on the device, the kernel and the film
+//!          renderer   owns the scene on the device, the kernels and the film
+//!          stopping   which pixels go on
 //!          reference  from scene to film in plain f64 on the processor
 //! ```
 //!
 //! [`scene::gltf::load_with`] reads a file into plain data. [`bvh`] builds trees over
 //! it. [`shader`] decides what the scene needs ([`shader::Features`]) and composes the
 //! WGSL for that. [`gpu`] turns all of it into buffers, [`passes`] run kernels, and
-//! [`film`] holds the sums. [`renderer::Renderer`] is the whole in steps; [`image`] writes
+//! [`film`] holds the sums. [`stopping`] has the rules by which pixels stop, and measures how
+//! well they keep their word. [`renderer::Renderer`] is the whole in steps; [`image`] writes
 //! pictures. [`reference`](mod@reference) computes the same in another way, for tests to compare
 //! with. [`statistics`] knows numbers only; the comparison of pictures, [`image::compare`],
 //! stands on it. Modules earlier in the drawing never use later ones, and `scene`, `bvh`, `shader`,
-//! `image`, `statistics` and `reference` do not know wgpu.
+//! `image`, `statistics`, `stopping` and `reference` do not know wgpu.
 
 pub mod bvh;
 pub mod error;
