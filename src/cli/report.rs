@@ -210,7 +210,7 @@ mod tests {
     #[test]
     fn pixels_without_samples_are_counted() {
         let mut film = Film::new(Crop { x: 0, y: 0, width: 3, height: 1 }, 1);
-        film.add_block(1, 0, BlockMean { mean: [0.5; 3], sample_count: 2 });
+        film.add_block(1, 0, BlockMean { mean: [0.5; 3], sample_count: 1 });
         let warning = empty_warning(&film);
         assert_eq!(warning.as_deref(), Some("warning: 2 pixels have no sample and are black"));
         film.add_block(0, 0, BlockMean { mean: [0.0; 3], sample_count: 1 });
