@@ -55,7 +55,7 @@ pub(super) struct StoppingFlags {
     preset: Option<Preset>,
 
     /// Each pixel until 1.96 standard errors are this share of its mean, tested every BATCH
-    /// samples: the seed's rule, for comparison
+    /// samples: the rule that this project began with, for comparison
     #[arg(long, value_name = "seed[:BATCH,TOL]", value_parser = seed_rule, conflicts_with = "noise")]
     adaptive: Option<SeedRule>,
 }
