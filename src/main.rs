@@ -1,6 +1,8 @@
 //! The program `steradian`: a thin front end of the library.
 
 mod cli;
+#[cfg(feature = "viewer")]
+mod viewer;
 
 use clap::Parser;
 use std::panic::PanicHookInfo;

@@ -1,22 +1,25 @@
 //! One render: owns the scene on the device, the kernels and the film.
 
+mod prepared;
+mod preview;
 mod rounds;
 mod schedule;
 mod statistics;
 mod sweep;
 
+pub use prepared::PreparedScene;
+pub use preview::Preview;
 pub use statistics::{FaultLocation, RenderStatistics};
 
 #[cfg(doc)]
 use crate::Error;
 use crate::Result;
 use crate::film::{BlockMean, Film};
-use crate::gpu::{Device, GpuFilmPixel, GpuScene, SceneBuffers, TreeWidth};
-use crate::passes::{FloatEnvironment, PathTrace, Tuning, Work};
+use crate::gpu::{Device, GpuFilmPixel};
+use crate::passes::{PathTrace, Tuning, Work};
 use crate::scene::Scene;
-use crate::settings::{Accel, RenderSettings};
+use crate::settings::RenderSettings;
 use crate::shader::generated::{TILE_PIXELS, TILE_SIDE};
-use crate::shader::{Feature, Features};
 use rounds::Rounds;
 use schedule::Schedule;
 use std::sync::Arc;
@@ -26,10 +29,8 @@ use sweep::{Pace, Piece, Sweep};
 /// A render under way. [`Renderer::step`] until it says that nothing is left, or
 /// stop at any time; then [`Renderer::finish`] and read the film.
 pub struct Renderer {
-    device: Arc<Device>,
+    prepared: Arc<PreparedScene>,
     settings: RenderSettings,
-    /// Kept alive for the kernel's bindings.
-    _scene: GpuScene,
     pass: PathTrace,
     film: Film,
     pace: Pace,
@@ -66,55 +67,52 @@ impl Renderer {
         tuning: &Tuning,
     ) -> Result<Self> {
         settings.validate(scene)?;
-        let begin = Instant::now();
-        let has_packets = device.traces_packets() && settings.accel != Accel::None;
-        let width = if has_packets { TreeWidth::Four } else { TreeWidth::Two };
-        let buffers = SceneBuffers::build(scene, settings, width)?;
-        let bvh_seconds = begin.elapsed().as_secs_f64();
-        let gpu_scene = buffers.upload(&device)?;
+        let prepared = PreparedScene::new(device, scene, settings.accel)?;
+        Self::of_prepared(Arc::new(prepared), scene, settings, tuning)
+    }
 
-        let features = Features::of(scene, settings).with_if(Feature::Packets, has_packets);
+    /// A render of a scene that is on the device. `scene` is the one that it was prepared from, but
+    /// for its cameras, which may be others.
+    ///
+    /// # Errors
+    /// [`Error::Settings`], [`Error::Limit`], [`Error::Shader`], [`Error::DeviceLost`].
+    pub fn of_prepared(
+        prepared: Arc<PreparedScene>,
+        scene: &Scene,
+        settings: &RenderSettings,
+        tuning: &Tuning,
+    ) -> Result<Self> {
+        settings.validate(scene)?;
+        let device = &prepared.device;
         let begin = Instant::now();
-        let frame = buffers.frame(scene, settings);
-        let stack_size = buffers.world.stack_size.max(1);
-        let schedule = Schedule::new(&device, settings)?;
+        let features = prepared.features(scene, settings);
+        let frame = prepared.buffers.facts().frame(scene, settings);
+        let schedule = Schedule::new(device, settings)?;
         let pixels = match settings.stopping_rule() {
             None => u64::from(schedule.region_tiles()) * u64::from(TILE_PIXELS),
-            Some(_) => Rounds::film_pixels(&device, settings)?,
+            Some(_) => Rounds::film_pixels(device, settings)?,
         };
+        let (buffers, stack_size) = (&prepared.buffers, prepared.stack_size);
         let mut pass =
-            PathTrace::new(&device, &gpu_scene, features, stack_size, frame, pixels, tuning)?;
-        pass.clear(&device);
-        pass.run(&device, Work { tile_count: 1, ..Work::default() }, None)?;
+            PathTrace::new(device, buffers, features, stack_size, frame, pixels, tuning)?;
+        pass.clear(device);
+        pass.run(device, Work { tile_count: 1, ..Work::default() }, None)?;
         let plan = match settings.stopping_rule() {
             None => Plan::Fixed(schedule),
             Some(rule) => {
-                Plan::Adaptive(Box::new(Rounds::new(&device, &rule, settings, &pass, tuning)?))
+                Plan::Adaptive(Box::new(Rounds::new(device, &rule, settings, &pass, tuning)?))
             }
         };
-        let compile_seconds = begin.elapsed().as_secs_f64();
-
-        let world = buffers.world.statistics();
         let statistics = RenderStatistics {
             features,
-            float_environment: Some(FloatEnvironment::of(&device)?),
-            bvh_seconds,
-            compile_seconds,
-            triangle_count: world.triangle_count,
-            sphere_count: world.sphere_count,
-            instance_count: world.instance_count,
-            node_count: world.node_count,
-            sah_cost: world.sah_cost,
-            tree_depth: world.tree_depth,
-            device_bytes: gpu_scene.bytes(),
+            compile_seconds: begin.elapsed().as_secs_f64(),
             wgsl_lines: pass.wgsl_lines(),
-            ..Default::default()
+            ..prepared.statistics.clone()
         };
         Ok(Self {
-            pace: Pace::new(&device, settings.largest_block(), tuning),
-            device,
+            pace: Pace::new(device, settings.largest_block(), tuning),
+            prepared,
             settings: settings.clone(),
-            _scene: gpu_scene,
             pass,
             film: Film::new(settings.window(), settings.samples_per_block()),
             plan,
@@ -130,13 +128,13 @@ impl Renderer {
     pub fn restart(&mut self, seed: u32) -> Result<()> {
         self.settings.seed = seed;
         self.pass.set_seed(seed);
-        self.pass.clear(&self.device);
+        self.pass.clear(&self.prepared.device);
         self.film = Film::new(self.film.window(), self.settings.samples_per_block());
         self.statistics = self.statistics.without_counts();
         self.started = None;
         match &mut self.plan {
-            Plan::Fixed(schedule) => *schedule = Schedule::new(&self.device, &self.settings)?,
-            Plan::Adaptive(rounds) => rounds.restart(&self.device)?,
+            Plan::Fixed(schedule) => *schedule = Schedule::new(&self.prepared.device, &self.settings)?,
+            Plan::Adaptive(rounds) => rounds.restart(&self.prepared.device)?,
         }
         Ok(())
     }
@@ -158,7 +156,7 @@ impl Renderer {
             Plan::Fixed(_) => None,
             Plan::Adaptive(rounds) => Some(&rounds.pass),
         };
-        self.pass.run(&self.device, work, adaptive)?;
+        self.pass.run(&self.prepared.device, work, adaptive)?;
         self.pace.learn(piece, begin.elapsed().as_secs_f64());
         match &mut self.plan {
             Plan::Fixed(schedule) => schedule.sweep.advance(piece),
@@ -180,7 +178,7 @@ impl Renderer {
             self.fold()?;
         }
         if let Plan::Adaptive(rounds) = &self.plan {
-            self.film.set_stops(rounds.stops(&self.device, self.film.window())?);
+            self.film.set_stops(rounds.stops(&self.prepared.device, self.film.window())?);
         }
         Ok(())
     }
@@ -245,43 +243,49 @@ impl Renderer {
         if schedule.sweep.is_done() {
             schedule.next_region();
         }
-        let blocks = self.pass.read(&self.device, count)?;
+        let blocks = self.pass.read(&self.prepared.device, count)?;
         for (pixel, block) in (first_pixel..).zip(&blocks) {
             self.fold_pixel(pixel, block);
         }
-        self.pass.clear(&self.device);
+        self.pass.clear(&self.prepared.device);
         Ok(())
     }
 
     fn fold_round(&mut self) -> Result<()> {
         let Plan::Adaptive(rounds) = &self.plan else { return Ok(()) };
-        let blocks = self.pass.read(&self.device, rounds.active_count)?;
+        let blocks = self.pass.read(&self.prepared.device, rounds.active_count)?;
         for block in &blocks {
             self.fold_pixel(block.pixel, block);
         }
         let begin = Instant::now();
         let Plan::Adaptive(rounds) = &mut self.plan else { return Ok(()) };
-        self.statistics.decisions += u32::from(rounds.end(&self.device, &blocks, &self.film)?);
+        self.statistics.decisions += u32::from(rounds.end(&self.prepared.device, &blocks, &self.film)?);
         self.statistics.stopping_seconds += begin.elapsed().as_secs_f64();
         Ok(())
     }
 
     /// `pixel`: its place in the order of tiles.
     fn fold_pixel(&mut self, pixel: u32, block: &GpuFilmPixel) {
+        let Some((x, y)) = self.place(pixel) else { return };
+        let window = self.film.window();
+        self.film.add_block(x, y, BlockMean::of(block));
+        self.statistics.add_block((window.x + x, window.y + y), block);
+    }
+
+    /// Column and row in the window; `None` for what tiles have beyond it.
+    fn place(&self, pixel: u32) -> Option<(u32, u32)> {
         let window = self.film.window();
         let tiles_across = window.width.div_ceil(TILE_SIDE);
         let (x, y) = PathTrace::pixel(pixel / TILE_PIXELS, pixel % TILE_PIXELS, tiles_across);
-        if x >= window.width || y >= window.height {
-            return;
-        }
-        let mean = BlockMean {
-            mean: std::array::from_fn(|c| {
-                let share = f64::from(block.difference[c]) / f64::from(block.sample_count.max(1));
-                f64::from(block.first[c]) + share
-            }),
-            sample_count: block.sample_count,
-        };
-        self.film.add_block(x, y, mean);
-        self.statistics.add_block((window.x + x, window.y + y), block);
+        (x < window.width && y < window.height).then_some((x, y))
+    }
+}
+
+impl BlockMean {
+    /// Of what the device has summed.
+    fn of(block: &GpuFilmPixel) -> Self {
+        let n = f64::from(block.sample_count.max(1));
+        let mean = |c: usize| f64::from(block.first[c]) + f64::from(block.difference[c]) / n;
+        Self { mean: std::array::from_fn(mean), sample_count: block.sample_count }
     }
 }

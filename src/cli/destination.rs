@@ -9,31 +9,31 @@ use super::flags::RenderFlags;
 
 /// The picture to write.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Picture {
+pub(crate) struct Picture {
     /// Final name.
-    pub(super) path: PathBuf,
+    pub(crate) path: PathBuf,
     /// By the ending of the name.
-    pub(super) format: OutputFormat,
+    pub(crate) format: OutputFormat,
     /// For PNG.
-    pub(super) depth: BitDepth,
+    pub(crate) depth: BitDepth,
     /// For PNG, stops.
-    pub(super) exposure_ev: f32,
+    pub(crate) exposure_ev: f32,
 }
 
 /// All files of a render.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Destinations {
+pub(crate) struct Destinations {
     /// None where one pixel is printed.
-    pub(super) picture: Option<Picture>,
+    pub(crate) picture: Option<Picture>,
     /// Statistics.
-    pub(super) stats: Option<PathBuf>,
+    pub(crate) stats: Option<PathBuf>,
     /// Map of the samples taken.
-    pub(super) sample_map: Option<PathBuf>,
+    pub(crate) sample_map: Option<PathBuf>,
 }
 
 impl Destinations {
     /// Checks names, endings and folders.
-    pub(super) fn check(flags: &RenderFlags) -> Result<Self> {
+    pub(crate) fn check(flags: &RenderFlags) -> Result<Self> {
         let picture = flags.output.as_deref().map(|path| picture(path, flags)).transpose()?;
         let is_png = picture.as_ref().is_some_and(|p| p.format == OutputFormat::Png);
         if !is_png && (flags.job.picture.bits.is_some() || flags.job.picture.exposure.is_some()) {
@@ -77,7 +77,7 @@ fn picture(path: &Path, flags: &RenderFlags) -> Result<Picture> {
 
 /// That a file can be made at `path`: its folder is there and lets a file be
 /// created, which alone tells of permissions, read-only disks and full ones.
-pub(super) fn check_place(path: &Path) -> Result<()> {
+pub(crate) fn check_place(path: &Path) -> Result<()> {
     let failure =
         |path: &Path, kind, reason: &str| Err(Error::io(path, IoError::new(kind, reason)));
     if path.is_dir() {

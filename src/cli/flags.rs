@@ -14,25 +14,25 @@ use steradian::settings::{Accel, Crop, Sampler, Strategy};
 #[derive(Debug, Args)]
 #[command(override_usage = "steradian render [OPTIONS] <SCENE> --output <FILE>\n       \
     steradian render [OPTIONS] <SCENE> --pixel <x,y>")]
-pub(super) struct RenderFlags {
+pub(crate) struct RenderFlags {
     /// The scene: a .gltf or .glb file
-    pub(super) scene: PathBuf,
+    pub(crate) scene: PathBuf,
 
     /// The picture: .png (what a display shows) or .exr (linear radiance, 32-bit floats)
     #[arg(short, long, value_name = "FILE", required_unless_present = "pixel")]
-    pub(super) output: Option<PathBuf>,
+    pub(crate) output: Option<PathBuf>,
 
     /// Statistics of the render as JSON
     #[arg(long, value_name = "FILE")]
-    pub(super) stats: Option<PathBuf>,
+    pub(crate) stats: Option<PathBuf>,
 
     /// Name or index of the device (see `steradian devices`)
     #[arg(long, value_name = "NAME|INDEX", env = "STERADIAN_DEVICE")]
-    pub(super) device: Option<String>,
+    pub(crate) device: Option<String>,
 
     /// Processor threads that load images and build trees; all by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(super) threads: Option<u16>,
+    pub(crate) threads: Option<u16>,
 
     /// Say how it was done: device, features, trees, times
     #[arg(short, long, conflicts_with = "quiet")]
@@ -44,212 +44,246 @@ pub(super) struct RenderFlags {
 
     /// A picture of the samples taken, .png
     #[arg(long, value_name = "FILE")]
-    pub(super) sample_map: Option<PathBuf>,
+    pub(crate) sample_map: Option<PathBuf>,
 
     /// Its colours
     #[arg(long, requires = "sample_map", value_parser = values::one_of(MAP_COLORS), default_value = "viridis")]
-    pub(super) sample_map_colors: MapColors,
+    pub(crate) sample_map_colors: MapColors,
 
     #[command(flatten)]
-    pub(super) job: JobFlags,
+    pub(crate) job: JobFlags,
+}
+
+/// Flags of `view`.
+#[cfg(feature = "viewer")]
+#[derive(Debug, Args)]
+pub(crate) struct ViewFlags {
+    /// The scene: a .gltf or .glb file; another can be dropped on the window at any time
+    pub(crate) scene: Option<PathBuf>,
+
+    /// Where the key S saves the picture, .png or .exr; by default a new file named as the scene
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// How long answers took, as JSON at the end
+    #[arg(long, value_name = "FILE")]
+    pub(crate) stats: Option<PathBuf>,
+
+    /// Name or index of the device that renders (see `steradian devices`)
+    #[arg(long, value_name = "NAME|INDEX", env = "STERADIAN_DEVICE")]
+    pub(crate) device: Option<String>,
+
+    /// Read the shaders from this folder, and again whenever one changes
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) shaders: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) job: JobFlags,
 }
 
 /// What to render, and how: the same for every command that does.
-#[derive(Debug, Args)]
-pub(super) struct JobFlags {
+#[derive(Debug, Clone, Args)]
+pub(crate) struct JobFlags {
     /// Refuse a scene with anything that is approximated or ignored
     #[arg(long)]
-    pub(super) strict: bool,
+    pub(crate) strict: bool,
 
     #[command(flatten)]
-    pub(super) picture: PictureFlags,
+    pub(crate) picture: PictureFlags,
 
     #[command(flatten)]
-    pub(super) stopping: StoppingFlags,
+    pub(crate) stopping: StoppingFlags,
 
     #[command(flatten)]
-    pub(super) sampling: SamplingFlags,
+    pub(crate) sampling: SamplingFlags,
 
     #[command(flatten)]
-    pub(super) camera: CameraFlags,
+    pub(crate) camera: CameraFlags,
 
     #[command(flatten)]
-    pub(super) environment: EnvironmentFlags,
+    pub(crate) environment: EnvironmentFlags,
 }
 
 /// Size and form of the picture.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Picture")]
-pub(super) struct PictureFlags {
+pub(crate) struct PictureFlags {
     /// Size in pixels; 512 rows in the camera's aspect ratio by default
     #[arg(long, value_name = "WxH", value_parser = values::resolution)]
-    pub(super) resolution: Option<(u32, u32)>,
+    pub(crate) resolution: Option<(u32, u32)>,
 
     /// Multiplies width and height
     #[arg(long, value_name = "F", value_parser = values::positive)]
-    pub(super) scale: Option<f32>,
+    pub(crate) scale: Option<f32>,
 
     /// Render only this rectangle, in pixels from the upper left corner
     #[arg(long, value_name = "x,y,w,h", value_parser = values::crop, conflicts_with = "pixel")]
-    pub(super) crop: Option<Crop>,
+    pub(crate) crop: Option<Crop>,
 
     /// Render one pixel; print its radiance, sample count and standard error
     #[arg(long, value_name = "x,y", value_parser = values::pixel)]
-    pub(super) pixel: Option<Crop>,
+    pub(crate) pixel: Option<Crop>,
 
     /// Bits of a colour component of a PNG: 8 (default) or 16
     #[arg(long, value_name = "8|16", value_parser = ["8", "16"])]
-    pub(super) bits: Option<String>,
+    pub(crate) bits: Option<String>,
 
     /// Exposure of a PNG in stops: radiance is multiplied by 2 to this power
     #[arg(long, value_name = "EV", value_parser = values::finite, allow_negative_numbers = true)]
-    pub(super) exposure: Option<f32>,
+    pub(crate) exposure: Option<f32>,
 }
 
 /// How light is sampled.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Sampling")]
-pub(super) struct SamplingFlags {
+pub(crate) struct SamplingFlags {
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
-    pub(super) seed: u32,
+    pub(crate) seed: u32,
 
     /// Estimator of scattered light
     #[arg(long, value_parser = values::one_of(values::STRATEGIES), default_value = "mis")]
-    pub(super) strategy: Strategy,
+    pub(crate) strategy: Strategy,
 
     /// Light samples at each path vertex
     #[arg(long, value_name = "L", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
-    pub(super) light_samples: u32,
+    pub(crate) light_samples: u32,
 
     /// Scattering events on a path: 0 emission alone, 1 direct light; no limit by default
     #[arg(long, value_name = "N")]
-    pub(super) max_bounces: Option<u32>,
+    pub(crate) max_bounces: Option<u32>,
 
     /// Keep only light that was scattered exactly so often
     #[arg(long, value_name = "K")]
-    pub(super) only_bounce: Option<u32>,
+    pub(crate) only_bounce: Option<u32>,
 
     /// Do not end dim paths at random
     #[arg(long)]
-    pub(super) no_roulette: bool,
+    pub(crate) no_roulette: bool,
 
     /// Trace in plain f64 on the processor, without a device: slow, and what the renderer is held to
     #[arg(long, conflicts_with_all = [
         "strategy", "light_samples", "no_roulette", "sampler", "accel", "features", "noise",
         "adaptive",
     ])]
-    pub(super) reference: bool,
+    pub(crate) reference: bool,
 
     /// Source of random numbers
     #[arg(long, value_parser = values::one_of(values::SAMPLERS), default_value = "sobol")]
-    pub(super) sampler: Sampler,
+    pub(crate) sampler: Sampler,
 
     /// Samples in a block, a power of two: part of what defines the picture's bits.
     /// By default at most a quarter of the samples, and at most 16
     #[arg(long, value_name = "N", value_parser = values::block_size, conflicts_with_all = ["noise", "adaptive"])]
-    pub(super) block: Option<u32>,
+    pub(crate) block: Option<u32>,
 
     /// Acceleration structure
     #[arg(long, value_parser = values::one_of(values::ACCELS), default_value = "bvh")]
-    pub(super) accel: Accel,
+    pub(crate) accel: Accel,
 
     /// Compile what the scene needs (default), or everything
     #[arg(long, value_name = "needed|all", value_parser = ["needed", "all"])]
-    pub(super) features: Option<String>,
+    pub(crate) features: Option<String>,
 }
 
 /// The camera.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Camera")]
-pub(super) struct CameraFlags {
+pub(crate) struct CameraFlags {
     /// Name or index of the camera; the first by default
     #[arg(long, value_name = "NAME|INDEX")]
-    pub(super) camera: Option<String>,
+    pub(crate) camera: Option<String>,
 
     /// Radius of the lens in metres; 0 is a pinhole
     #[arg(long, value_name = "RADIUS", value_parser = values::not_negative)]
-    pub(super) aperture: Option<f32>,
+    pub(crate) aperture: Option<f32>,
 
     /// Distance of the plane in focus in metres
     #[arg(long, value_name = "DISTANCE", value_parser = values::positive)]
-    pub(super) focus: Option<f32>,
+    pub(crate) focus: Option<f32>,
 }
 
 /// Light from infinity.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Default, PartialEq, Args)]
 #[command(next_help_heading = "Environment")]
-pub(super) struct EnvironmentFlags {
+pub(crate) struct EnvironmentFlags {
     /// Equirectangular map, .hdr or .exr, in place of the scene's environment
     #[arg(long, value_name = "FILE", conflicts_with = "environment_radiance")]
-    pub(super) environment: Option<PathBuf>,
+    pub(crate) environment: Option<PathBuf>,
 
     /// The same radiance from everywhere, in place of the scene's environment
     #[arg(long, value_name = "R[,G,B]", value_parser = values::radiance)]
-    pub(super) environment_radiance: Option<Vec3>,
+    pub(crate) environment_radiance: Option<Vec3>,
 
     /// Turn of the environment about +Y in degrees, counter-clockwise seen from above
     #[arg(long, value_name = "DEG", value_parser = values::finite, allow_negative_numbers = true)]
-    pub(super) environment_rotation: Option<f32>,
+    pub(crate) environment_rotation: Option<f32>,
 
     /// Multiplies the environment's radiance
     #[arg(long, value_name = "F", value_parser = values::not_negative)]
-    pub(super) environment_intensity: Option<f32>,
+    pub(crate) environment_intensity: Option<f32>,
+}
+
+impl EnvironmentFlags {
+    /// The same map, as bright, not turned.
+    pub(crate) fn without_rotation(&self) -> Self {
+        Self { environment_rotation: None, ..self.clone() }
+    }
 }
 
 /// Flags of `bench`.
 #[derive(Debug, Args)]
-pub(super) struct BenchFlags {
+pub(crate) struct BenchFlags {
     /// The scene: a .gltf or .glb file
-    pub(super) scene: PathBuf,
+    pub(crate) scene: PathBuf,
 
     /// How well the rules by which pixels stop keep their word: many runs of each against a
     /// truth that is known to a tenth of the tolerance
     #[arg(long, required = true, requires = "noise", conflicts_with_all = ["time", "seed"])]
-    pub(super) coverage: bool,
+    pub(crate) coverage: bool,
 
     /// Runs of each rule
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(8..=10_000))]
-    pub(super) runs: u32,
+    pub(crate) runs: u32,
 
     /// Rules to run
     #[arg(long, value_name = "RULE,...", value_delimiter = ',', default_value = "seed,default,strict", value_parser = values::one_of(RULES))]
-    pub(super) rules: Vec<Rule>,
+    pub(crate) rules: Vec<Rule>,
 
     /// Samples of a pixel that the truth may take; 4096 at least
     #[arg(long, value_name = "N", default_value_t = 262_144, value_parser = clap::value_parser!(u32).range(4096..))]
-    pub(super) truth_spp: u32,
+    pub(crate) truth_spp: u32,
 
     /// The figures as JSON
     #[arg(long, value_name = "FILE")]
-    pub(super) json: Option<PathBuf>,
+    pub(crate) json: Option<PathBuf>,
 
     /// Name or index of the device (see `steradian devices`)
     #[arg(long, value_name = "NAME|INDEX", env = "STERADIAN_DEVICE")]
-    pub(super) device: Option<String>,
+    pub(crate) device: Option<String>,
 
     #[command(flatten)]
-    pub(super) job: JobFlags,
+    pub(crate) job: JobFlags,
 }
 
 /// Flags of `info`.
 #[derive(Debug, Args)]
-pub(super) struct InfoFlags {
+pub(crate) struct InfoFlags {
     /// The scene: a .gltf or .glb file
-    pub(super) scene: PathBuf,
+    pub(crate) scene: PathBuf,
 
     /// Name or index of the device whose limits are compared with; all by default
     #[arg(long, value_name = "NAME|INDEX", env = "STERADIAN_DEVICE")]
-    pub(super) device: Option<String>,
+    pub(crate) device: Option<String>,
 
     /// Refuse a scene with anything that is approximated or ignored
     #[arg(long)]
-    pub(super) strict: bool,
+    pub(crate) strict: bool,
 }
 
 impl RenderFlags {
     /// How much is said.
-    pub(super) fn verbosity(&self) -> Verbosity {
+    pub(crate) fn verbosity(&self) -> Verbosity {
         match (self.quiet, self.verbose) {
             (true, _) => Verbosity::Quiet,
             (false, false) => Verbosity::Normal,

@@ -18,24 +18,29 @@ const LARGEST_DEFAULT_BLOCK: u32 = 16;
 const MAX_PIXELS: u64 = 1 << 28;
 
 /// What to render, checked.
-pub(super) struct Job {
+pub(crate) struct Job {
     /// With the flags' camera lens and environment in place.
-    pub(super) scene: Scene,
+    pub(crate) scene: Scene,
     /// Valid for the scene.
-    pub(super) settings: RenderSettings,
+    pub(crate) settings: RenderSettings,
     /// Samples per pixel that were asked for; `None` if only the time is limited.
-    pub(super) requested_spp: Option<u32>,
+    pub(crate) requested_spp: Option<u32>,
     /// Whether the reference renders it, and no device.
-    pub(super) is_reference: bool,
+    pub(crate) is_reference: bool,
     /// Reading and decoding files.
-    pub(super) load_seconds: f64,
+    pub(crate) load_seconds: f64,
 }
 
 impl Job {
     /// Loads the scene and settles all settings.
-    pub(super) fn new(scene: &Path, flags: &JobFlags) -> Result<Self> {
+    pub(crate) fn new(scene: &Path, flags: &JobFlags) -> Result<Self> {
         let begin = Instant::now();
-        let mut scene = load_with(scene, &LoadOptions { strict: flags.strict })?;
+        let scene = load_with(scene, &LoadOptions { strict: flags.strict })?;
+        Self::of(scene, flags, begin)
+    }
+
+    /// The same of a scene that was read since `begin`.
+    pub(crate) fn of(mut scene: Scene, flags: &JobFlags, begin: Instant) -> Result<Self> {
         set_environment(&mut scene, &flags.environment)?;
         let load_seconds = begin.elapsed().as_secs_f64();
 
@@ -73,7 +78,7 @@ impl Job {
 
 /// Four blocks or more, so that the picture's error can be estimated from their
 /// spread; larger blocks cost fewer transfers from the device.
-fn default_block_size(requested_spp: Option<u32>) -> u32 {
+pub(crate) fn default_block_size(requested_spp: Option<u32>) -> u32 {
     let quarter = requested_spp.map_or(LARGEST_DEFAULT_BLOCK, |spp| spp / 4);
     1 << quarter.clamp(1, LARGEST_DEFAULT_BLOCK).ilog2()
 }
@@ -116,7 +121,8 @@ fn set_lens(camera: &mut Camera, flags: &CameraFlags) {
     }
 }
 
-fn set_environment(scene: &mut Scene, flags: &EnvironmentFlags) -> Result<()> {
+/// Puts the environment of the flags in place of, or turns and scales, the one that `scene` has.
+pub(crate) fn set_environment(scene: &mut Scene, flags: &EnvironmentFlags) -> Result<()> {
     if let Some(path) = &flags.environment {
         scene.environment = Some(load_environment(path, &mut scene.notices)?);
     }

@@ -2,21 +2,21 @@
 //! the work. What was asked for goes to standard output, all else to standard error.
 
 mod bench;
-mod destination;
+pub(crate) mod destination;
 mod devices;
-mod flags;
+pub(crate) mod flags;
 mod info;
-mod job;
-mod output;
+pub(crate) mod job;
+pub(crate) mod output;
 mod progress;
 mod reference;
 mod render;
-mod report;
-mod signals;
+pub(crate) mod report;
+pub(crate) mod signals;
 mod stats;
-mod stopping;
+pub(crate) mod stopping;
 pub(crate) mod talk;
-mod values;
+pub(crate) mod values;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -38,6 +38,9 @@ pub(crate) struct Arguments {
 enum Command {
     /// Render a picture of a scene
     Render(Box<flags::RenderFlags>),
+    /// Look at a scene in a window while the picture gets better
+    #[cfg(feature = "viewer")]
+    View(Box<flags::ViewFlags>),
     /// Measure how fast and how well scenes are rendered
     Bench(Box<flags::BenchFlags>),
     /// Say what is in a scene, and what of it is honoured, approximated or ignored
@@ -50,6 +53,8 @@ enum Command {
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
     match &arguments.command {
         Command::Render(flags) => render::run(flags),
+        #[cfg(feature = "viewer")]
+        Command::View(flags) => crate::viewer::run(flags),
         Command::Bench(flags) => bench::run(flags),
         Command::Info(flags) => info::run(flags),
         Command::Devices => devices::run(),

@@ -15,7 +15,7 @@ use steradian::image::{
 };
 
 /// Writes the film's picture and what made it.
-pub(super) fn write(picture: &Picture, outcome: &Outcome) -> Result<()> {
+pub(crate) fn write(picture: &Picture, outcome: &Outcome) -> Result<()> {
     let metadata = metadata(outcome);
     match picture.format {
         OutputFormat::Png => {
@@ -36,7 +36,7 @@ pub(super) fn write(picture: &Picture, outcome: &Outcome) -> Result<()> {
 }
 
 /// Writes the map of the samples taken.
-pub(super) fn write_sample_map(path: &Path, colors: MapColors, outcome: &Outcome) -> Result<()> {
+pub(crate) fn write_sample_map(path: &Path, colors: MapColors, outcome: &Outcome) -> Result<()> {
     let film = outcome.film;
     let (width, height) = (film.window().width, film.window().height);
     let limit = outcome.job.requested_spp.unwrap_or(film.most_samples());
@@ -111,7 +111,7 @@ fn as_text(value: Attribute) -> String {
 }
 
 /// Prints the only pixel of the film. `position`: column and row in the whole picture.
-pub(super) fn print_pixel((x, y): (u32, u32), outcome: &Outcome) -> Result<()> {
+pub(crate) fn print_pixel((x, y): (u32, u32), outcome: &Outcome) -> Result<()> {
     let [r, g, b] = outcome.film.picture().rgb[0];
     let mut text = String::new();
     let error = match outcome.film.standard_error() {

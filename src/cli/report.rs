@@ -12,34 +12,34 @@ use steradian::shader::generated::Fault;
 use steradian::stopping::StopReason;
 
 /// All that is known when a render has ended.
-pub(super) struct Outcome<'a> {
-    pub(super) job: &'a Job,
+pub(crate) struct Outcome<'a> {
+    pub(crate) job: &'a Job,
     /// What made the picture.
-    pub(super) device: &'a str,
+    pub(crate) device: &'a str,
     /// Its driver's name and version; empty for the reference.
-    pub(super) driver: &'a str,
-    pub(super) film: &'a Film,
-    pub(super) statistics: &'a RenderStatistics,
+    pub(crate) driver: &'a str,
+    pub(crate) film: &'a Film,
+    pub(crate) statistics: &'a RenderStatistics,
     /// The exit code of the signal that stopped it, if one did.
-    pub(super) stop_code: Option<u8>,
+    pub(crate) stop_code: Option<u8>,
 }
 
 impl Outcome<'_> {
     /// Whether a signal stopped the render.
-    pub(super) fn is_partial(&self) -> bool {
+    pub(crate) fn is_partial(&self) -> bool {
         self.stop_code.is_some()
     }
 }
 
 /// Before anything is built.
-pub(super) fn job(verbosity: Verbosity, job: &Job, device: &str) {
+pub(crate) fn job(verbosity: Verbosity, job: &Job, device: &str) {
     let seconds = talk::duration(job.load_seconds);
     verbosity.detail(&format!("scene {}, read in {seconds}", job.scene.name));
     verbosity.detail(&format!("device {device}"));
 }
 
 /// When everything is built and compiled.
-pub(super) fn renderer(verbosity: Verbosity, s: &RenderStatistics) {
+pub(crate) fn renderer(verbosity: Verbosity, s: &RenderStatistics) {
     verbosity.detail(&format!(
         "trees of {} triangles, {} spheres, {} instances: {} nodes, depth {}, SAH cost {:.1}, built in {}",
         s.triangle_count,
@@ -63,7 +63,7 @@ pub(super) fn renderer(verbosity: Verbosity, s: &RenderStatistics) {
 }
 
 /// At the end. Warnings are said even when all else is not.
-pub(super) fn outcome(
+pub(crate) fn outcome(
     verbosity: Verbosity,
     outcome: &Outcome,
     destinations: &Destinations,

@@ -8,14 +8,14 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use steradian::{Error, Result};
 
 /// Remembers a request to stop.
-pub(super) struct StopRequest {
+pub(crate) struct StopRequest {
     /// The number of the signal; 0 before any.
     signal: Arc<AtomicUsize>,
 }
 
 impl StopRequest {
     /// Begins to listen. Before this, a signal ends the program at once.
-    pub(super) fn listen() -> Result<Self> {
+    pub(crate) fn listen() -> Result<Self> {
         let is_requested = Arc::new(AtomicBool::new(false));
         let signal = Arc::new(AtomicUsize::new(0));
         for number in [SIGINT, SIGTERM] {
@@ -30,7 +30,7 @@ impl StopRequest {
     }
 
     /// The exit code of the signal that came, if any: 128 and its number.
-    pub(super) fn exit_code(&self) -> Option<u8> {
+    pub(crate) fn exit_code(&self) -> Option<u8> {
         match self.signal.load(Ordering::SeqCst) {
             0 => None,
             number => Some(128 + number as u8),

@@ -15,7 +15,7 @@ const ADAPTIVE_SPP: u32 = 4096;
 /// Share of all cases in which an interval holds, unless said otherwise.
 const CONFIDENCE: f64 = 0.95;
 
-pub(super) const PRESETS: &[(&str, Preset, &str)] = &[
+pub(crate) const PRESETS: &[(&str, Preset, &str)] = &[
     ("default", Preset::Default, "a pixel's evidence, and that of the neighbours of its kind"),
     (
         "strict",
@@ -24,23 +24,23 @@ pub(super) const PRESETS: &[(&str, Preset, &str)] = &[
     ),
 ];
 
-pub(super) const MAP_COLORS: &[(&str, MapColors, &str)] = &[
+pub(crate) const MAP_COLORS: &[(&str, MapColors, &str)] = &[
     ("viridis", MapColors::Viridis, "dark blue few, yellow many, in even steps"),
     ("rate", MapColors::Rate, "blue few, green half, red all"),
 ];
 
 /// When to stop. Whatever comes first.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Stopping")]
-pub(super) struct StoppingFlags {
+pub(crate) struct StoppingFlags {
     /// Samples per pixel; 64 by default, no limit with --time alone, at most 4096 where
     /// pixels stop one by one
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    pub(super) spp: Option<u32>,
+    pub(crate) spp: Option<u32>,
 
     /// Stop after this time, such as 30s, 1.5m or 2h
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
-    pub(super) time: Option<Duration>,
+    pub(crate) time: Option<Duration>,
 
     /// Each pixel until the half-width of its interval is this share of its mean, such as 0.05
     #[arg(long, value_name = "TOL", value_parser = values::share)]
@@ -79,7 +79,7 @@ fn seed_rule(text: &str) -> Parsed<SeedRule> {
 
 impl StoppingFlags {
     /// The rule that is asked for.
-    pub(super) fn rule(&self) -> Option<StoppingRule> {
+    pub(crate) fn rule(&self) -> Option<StoppingRule> {
         if let Some(rule) = self.adaptive {
             return Some(StoppingRule::Seed(rule));
         }
@@ -92,7 +92,7 @@ impl StoppingFlags {
 
     /// Samples per pixel that are asked for, as a limit or by default; `None` if only the time
     /// is limited.
-    pub(super) fn requested_spp(&self) -> Option<u32> {
+    pub(crate) fn requested_spp(&self) -> Option<u32> {
         let is_adaptive = self.rule().is_some_and(|rule| rule.tolerance() > 0.0);
         match (self.spp, self.time) {
             (Some(spp), _) => Some(spp),
@@ -103,13 +103,13 @@ impl StoppingFlags {
     }
 
     /// The limit that follows.
-    pub(super) fn spp_limit(&self) -> u32 {
+    pub(crate) fn spp_limit(&self) -> u32 {
         self.requested_spp().unwrap_or(UNLIMITED_SPP)
     }
 }
 
 /// A rule in words, for reports and metadata.
-pub(super) fn describe(rule: &StoppingRule) -> String {
+pub(crate) fn describe(rule: &StoppingRule) -> String {
     match rule {
         StoppingRule::Seed(rule) => format!("seed:{},{}", rule.batch, rule.tolerance),
         StoppingRule::Calibrated(rule) => format!(
@@ -122,12 +122,12 @@ pub(super) fn describe(rule: &StoppingRule) -> String {
 }
 
 /// Pixels by what ended them, in the order of [`StopReason::ALL`].
-pub(super) fn tally(stops: &[PixelStop]) -> [usize; 3] {
+pub(crate) fn tally(stops: &[PixelStop]) -> [usize; 3] {
     StopReason::ALL.map(|reason| stops.iter().filter(|stop| stop.reason == reason).count())
 }
 
 /// What the rule made of the picture, in lines.
-pub(super) fn lines(rule: &StoppingRule, limit: u32, film: &Film) -> Vec<String> {
+pub(crate) fn lines(rule: &StoppingRule, limit: u32, film: &Film) -> Vec<String> {
     let Some(stops) = film.stops() else { return Vec::new() };
     let [unfinished, converged, at_limit] = tally(stops);
     let percent = |count: usize| format!("{:.1} %", 100.0 * count as f64 / stops.len() as f64);

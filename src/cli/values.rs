@@ -7,15 +7,15 @@ use std::time::Duration;
 use steradian::settings::{Accel, Crop, Sampler, Strategy};
 
 /// Largest width and height of a picture.
-pub(super) const MAX_SIDE: u32 = 65535;
+pub(crate) const MAX_SIDE: u32 = 65535;
 
-pub(super) type Parsed<T> = std::result::Result<T, String>;
+pub(crate) type Parsed<T> = std::result::Result<T, String>;
 
 /// A word of the command line, what it stands for, and its help.
-pub(super) type Word<T> = (&'static str, T, &'static str);
+pub(crate) type Word<T> = (&'static str, T, &'static str);
 
 /// Words of `--strategy`.
-pub(super) const STRATEGIES: &[Word<Strategy>] = &[
+pub(crate) const STRATEGIES: &[Word<Strategy>] = &[
     ("hemisphere", Strategy::Hemisphere, "uniform directions; lights are found by chance"),
     ("bsdf", Strategy::Bsdf, "directions by the BSDF; lights are found by chance"),
     ("light", Strategy::Light, "lights are sampled at each path vertex"),
@@ -23,25 +23,25 @@ pub(super) const STRATEGIES: &[Word<Strategy>] = &[
 ];
 
 /// Words of `--sampler`.
-pub(super) const SAMPLERS: &[Word<Sampler>] = &[
+pub(crate) const SAMPLERS: &[Word<Sampler>] = &[
     ("sobol", Sampler::Sobol, "Owen-scrambled Sobol points"),
     ("independent", Sampler::Independent, "independent random numbers"),
 ];
 
 /// Words of `--accel`.
-pub(super) const ACCELS: &[Word<Accel>] = &[
+pub(crate) const ACCELS: &[Word<Accel>] = &[
     ("bvh", Accel::Bvh, "tree by the surface area heuristic"),
     ("median", Accel::Median, "tree split at the median, for comparison"),
     ("none", Accel::None, "every ray tests every primitive, for comparison"),
 ];
 
 /// The word for a value.
-pub(super) fn word_for<T: PartialEq>(words: &[Word<T>], value: &T) -> &'static str {
+pub(crate) fn word_for<T: PartialEq>(words: &[Word<T>], value: &T) -> &'static str {
     words.iter().find(|(_, v, _)| v == value).map_or("", |(word, _, _)| word)
 }
 
 /// Parser of a flag that takes one of `words`.
-pub(super) fn one_of<T: Copy + Send + Sync + 'static>(
+pub(crate) fn one_of<T: Copy + Send + Sync + 'static>(
     words: &'static [Word<T>],
 ) -> impl TypedValueParser<Value = T> {
     let values = words.iter().map(|(word, _, help)| PossibleValue::new(*word).help(*help));
@@ -52,7 +52,7 @@ pub(super) fn one_of<T: Copy + Send + Sync + 'static>(
 }
 
 /// `WxH`, pixels.
-pub(super) fn resolution(text: &str) -> Parsed<(u32, u32)> {
+pub(crate) fn resolution(text: &str) -> Parsed<(u32, u32)> {
     let sides: Option<Vec<u32>> = text.split(['x', 'X']).map(|s| s.parse().ok()).collect();
     match sides.as_deref() {
         Some(&[width, height])
@@ -66,7 +66,7 @@ pub(super) fn resolution(text: &str) -> Parsed<(u32, u32)> {
 }
 
 /// `x,y,w,h`, pixels from the upper left corner.
-pub(super) fn crop(text: &str) -> Parsed<Crop> {
+pub(crate) fn crop(text: &str) -> Parsed<Crop> {
     match list::<u32>(text).as_deref() {
         Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Crop { x, y, width, height }),
         Some(&[_, _, _, _]) => Err("its width and height must be at least 1".into()),
@@ -75,7 +75,7 @@ pub(super) fn crop(text: &str) -> Parsed<Crop> {
 }
 
 /// `x,y`, pixels from the upper left corner.
-pub(super) fn pixel(text: &str) -> Parsed<Crop> {
+pub(crate) fn pixel(text: &str) -> Parsed<Crop> {
     match list::<u32>(text).as_deref() {
         Some(&[x, y]) => Ok(Crop { x, y, width: 1, height: 1 }),
         _ => Err("expected x,y in pixels from the upper left corner, such as 10,20".into()),
@@ -83,7 +83,7 @@ pub(super) fn pixel(text: &str) -> Parsed<Crop> {
 }
 
 /// `R` or `R,G,B`: radiance, W/(sr m²).
-pub(super) fn radiance(text: &str) -> Parsed<Vec3> {
+pub(crate) fn radiance(text: &str) -> Parsed<Vec3> {
     let values = list::<f32>(text);
     let radiance = match values.as_deref() {
         Some(&[grey]) => Vec3::splat(grey),
@@ -98,7 +98,7 @@ pub(super) fn radiance(text: &str) -> Parsed<Vec3> {
 }
 
 /// A time: a number of seconds, or with one of the units s, m, h.
-pub(super) fn duration(text: &str) -> Parsed<Duration> {
+pub(crate) fn duration(text: &str) -> Parsed<Duration> {
     let (number, unit) = match text.char_indices().next_back() {
         Some((end, 's')) => (&text[..end], 1.0),
         Some((end, 'm')) => (&text[..end], 60.0),
@@ -114,7 +114,7 @@ pub(super) fn duration(text: &str) -> Parsed<Duration> {
 }
 
 /// Samples in a block.
-pub(super) fn block_size(text: &str) -> Parsed<u32> {
+pub(crate) fn block_size(text: &str) -> Parsed<u32> {
     match text.parse::<u32>() {
         Ok(size) if size.is_power_of_two() => Ok(size),
         _ => Err("must be a power of two: 1, 2, 4, 8, ...".into()),
@@ -122,7 +122,7 @@ pub(super) fn block_size(text: &str) -> Parsed<u32> {
 }
 
 /// A share of a whole: a number from 0 to 1, or a percentage.
-pub(super) fn share(text: &str) -> Parsed<f32> {
+pub(crate) fn share(text: &str) -> Parsed<f32> {
     let (number, whole) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 100.0));
     match number.trim().parse::<f32>() {
         // Divided, 5% is 0.05; times 0.01 it would be off by a rounding.
@@ -132,7 +132,7 @@ pub(super) fn share(text: &str) -> Parsed<f32> {
 }
 
 /// A confidence.
-pub(super) fn confidence(text: &str) -> Parsed<f64> {
+pub(crate) fn confidence(text: &str) -> Parsed<f64> {
     match text.parse::<f64>() {
         Ok(value) if (0.5..1.0).contains(&value) => Ok(value),
         _ => Err("expected a number from 0.5 to below 1, such as 0.95".into()),
@@ -140,7 +140,7 @@ pub(super) fn confidence(text: &str) -> Parsed<f64> {
 }
 
 /// Any finite number.
-pub(super) fn finite(text: &str) -> Parsed<f32> {
+pub(crate) fn finite(text: &str) -> Parsed<f32> {
     match text.parse::<f32>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err("must be a finite number".into()),
@@ -148,12 +148,12 @@ pub(super) fn finite(text: &str) -> Parsed<f32> {
 }
 
 /// A finite number, 0 or more.
-pub(super) fn not_negative(text: &str) -> Parsed<f32> {
+pub(crate) fn not_negative(text: &str) -> Parsed<f32> {
     finite(text).ok().filter(|v| *v >= 0.0).ok_or("must be finite and not negative".into())
 }
 
 /// A finite number more than 0.
-pub(super) fn positive(text: &str) -> Parsed<f32> {
+pub(crate) fn positive(text: &str) -> Parsed<f32> {
     finite(text).ok().filter(|v| *v > 0.0).ok_or("must be finite and more than 0".into())
 }
 

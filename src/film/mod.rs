@@ -122,6 +122,24 @@ impl Film {
         Picture::new(self.window.width, self.window.height, rgb)
     }
 
+    /// The picture and the samples of every pixel once `blocks`, by column and row, are added.
+    pub(crate) fn picture_with(
+        &self,
+        blocks: impl Iterator<Item = ((u32, u32), BlockMean)>,
+    ) -> (Picture, Vec<u32>) {
+        let mut picture = self.picture();
+        let mut counts = self.sample_count.clone();
+        for ((x, y), block) in blocks {
+            let i = y as usize * self.window.width as usize + x as usize;
+            counts[i] += block.sample_count;
+            let n = f64::from(counts[i].max(1));
+            picture.rgb[i] = std::array::from_fn(|c| {
+                ((self.sum[i][c] + block.mean[c] * f64::from(block.sample_count)) / n) as f32
+            });
+        }
+        (picture, counts)
+    }
+
     /// Samples of the pixel that has fewest.
     pub fn least_samples(&self) -> u32 {
         self.sample_count.iter().copied().min().unwrap_or(0)

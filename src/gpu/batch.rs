@@ -102,7 +102,7 @@ impl Batch<'_> {
         let buffers = SceneBuffers::build(scene, settings, width)?;
         let frame = device.device.create_buffer_init(&BufferInitDescriptor {
             label: Some("frame"),
-            contents: bytemuck::bytes_of(&buffers.frame(scene, settings)),
+            contents: bytemuck::bytes_of(&buffers.facts().frame(scene, settings)),
             usage: wgpu::BufferUsages::UNIFORM,
         });
         Ok(BatchScene {

@@ -1,26 +1,58 @@
 //! The uniforms of a render.
 
 use super::camera::gpu_camera;
+use super::lights::Lights;
 use super::{GpuFrame, SceneBuffers};
 use crate::scene::{Environment, Scene};
 use crate::settings::RenderSettings;
 use crate::shader::generated::{INVALID, TILE_SIDE};
 
+/// What the uniforms say of a scene's buffers.
+#[derive(Debug, Clone, Copy)]
+pub struct BufferFacts {
+    environment_pmf: f32,
+    light_count: u32,
+    triangle_count: u32,
+    sphere_count: u32,
+    attribute_base: u32,
+    attribute_stride: u32,
+}
+
 impl SceneBuffers {
+    /// What the uniforms say of these buffers.
+    pub fn facts(&self) -> BufferFacts {
+        let world = self.world.statistics();
+        BufferFacts {
+            environment_pmf: self.lights.environment_pmf,
+            light_count: self.lights.records.len() as u32,
+            triangle_count: world.triangle_count as u32,
+            sphere_count: world.sphere_count as u32,
+            attribute_base: self.world.attribute_base,
+            attribute_stride: self.world.attribute_stride,
+        }
+    }
+}
+
+impl BufferFacts {
+    /// The same with other lights.
+    pub(super) fn with_lights(self, lights: &Lights) -> Self {
+        let light_count = lights.records.len() as u32;
+        Self { light_count, environment_pmf: lights.environment_pmf, ..self }
+    }
+
     /// The uniforms that do not change between dispatches; the others are 0.
     pub fn frame(&self, scene: &Scene, settings: &RenderSettings) -> GpuFrame {
         let window = settings.window();
         let tiles_across = window.width.div_ceil(TILE_SIDE);
         let ([x, y, z], environment_size) = environment_frame(scene.environment.as_ref());
-        let world = self.world.statistics();
         GpuFrame {
             camera: gpu_camera(&scene.cameras[settings.camera], settings.resolution),
             environment_x: x,
             environment_y: y,
             environment_z: z,
             environment_size,
-            environment_pmf: self.lights.environment_pmf,
-            light_count: self.lights.records.len() as u32,
+            environment_pmf: self.environment_pmf,
+            light_count: self.light_count,
             resolution: settings.resolution.into(),
             window_origin: [window.x, window.y],
             window_size: [window.width, window.height],
@@ -38,10 +70,10 @@ impl SceneBuffers {
                 .unwrap_or(INVALID),
             only_bounce: settings.only_bounce.unwrap_or(INVALID),
             light_samples: settings.light_samples,
-            triangle_count: world.triangle_count as u32,
-            sphere_count: world.sphere_count as u32,
-            attribute_base: self.world.attribute_base,
-            attribute_stride: self.world.attribute_stride,
+            triangle_count: self.triangle_count,
+            sphere_count: self.sphere_count,
+            attribute_base: self.attribute_base,
+            attribute_stride: self.attribute_stride,
             dispatch_tile_count: 0,
             block_unit: settings.samples_per_block(),
             largest_block: settings.largest_block(),

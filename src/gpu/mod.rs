@@ -18,6 +18,7 @@ mod world_source;
 
 pub use batch::Batch;
 pub use device::{Device, DeviceInfo, DeviceKind};
+pub use frame::BufferFacts;
 pub(crate) use limits::check_binding;
 pub use pipeline::{Kernel, validate};
 pub use readback::Readback;

@@ -1,8 +1,8 @@
 //! The scene's buffers.
 
 use super::limits::check_binding;
-use super::world::{TreeWidth, World};
-use super::{Device, environment, lights, materials};
+use super::world::{Emitter, TreeWidth, World};
+use super::{BufferFacts, Device, environment, lights, materials};
 use crate::Result;
 use crate::scene::Scene;
 use crate::settings::RenderSettings;
@@ -20,7 +20,12 @@ pub struct SceneBuffers {
 pub struct GpuScene {
     buffers: Vec<(&'static str, wgpu::Buffer)>,
     bytes: u64,
+    facts: BufferFacts,
+    emitters: Vec<Emitter>,
 }
+
+const FEWER_EMITTERS: &str = "use fewer emissive triangles";
+const FEWER_TEXELS: &str = "use smaller images";
 
 impl SceneBuffers {
     /// Builds trees and tables.
@@ -29,9 +34,7 @@ impl SceneBuffers {
     /// [`crate::Error::Limit`].
     pub fn build(scene: &Scene, settings: &RenderSettings, width: TreeWidth) -> Result<Self> {
         let world = World::build(scene, settings.accel, width)?;
-        let environment = scene.environment.as_ref().map(environment::build);
-        let integral = environment.as_ref().map_or(0.0, |e| e.luminous_integral);
-        let lights = lights::build(scene, &world.emitters, integral);
+        let (lights, environment) = lighting(scene, &world.emitters);
         Ok(Self { world, materials: materials::build(scene), lights, environment })
     }
 
@@ -43,15 +46,14 @@ impl SceneBuffers {
     fn arrays(&self) -> Vec<(&'static str, &'static str, &[u8])> {
         let environment = self.environment.as_ref().map_or(&[][..], |e| &e.words);
         let fewer_triangles = "use fewer or instanced triangles";
-        let fewer_texels = "use smaller images";
         vec![
             ("nodes", fewer_triangles, bytemuck::cast_slice(&self.world.nodes)),
             ("primitives", fewer_triangles, bytemuck::cast_slice(&self.world.primitives)),
             ("attributes", fewer_triangles, bytemuck::cast_slice(&self.world.attributes)),
             ("materials", "use fewer materials", bytemuck::cast_slice(&self.materials.records)),
-            ("lights", "use fewer emissive triangles", bytemuck::cast_slice(&self.lights.records)),
-            ("textures", fewer_texels, bytemuck::cast_slice(&self.materials.textures)),
-            ("environment", fewer_texels, bytemuck::cast_slice(environment)),
+            ("lights", FEWER_EMITTERS, bytemuck::cast_slice(&self.lights.records)),
+            ("textures", FEWER_TEXELS, bytemuck::cast_slice(&self.materials.textures)),
+            ("environment", FEWER_TEXELS, bytemuck::cast_slice(environment)),
         ]
     }
 
@@ -68,11 +70,51 @@ impl SceneBuffers {
         let buffers =
             arrays.iter().map(|(name, _, b)| (*name, device.storage_buffer(name, b))).collect();
         device.wait()?;
-        Ok(GpuScene { buffers, bytes })
+        let emitters = self.world.emitters.clone();
+        Ok(GpuScene { buffers, bytes, facts: self.facts(), emitters })
     }
 }
 
+/// The tables of all lights, the environment's among them.
+fn lighting(
+    scene: &Scene,
+    emitters: &[Emitter],
+) -> (lights::Lights, Option<environment::EnvironmentMap>) {
+    let environment = scene.environment.as_ref().map(environment::build);
+    let integral = environment.as_ref().map_or(0.0, |e| e.luminous_integral);
+    (lights::build(scene, emitters, integral), environment)
+}
+
 impl GpuScene {
+    /// The same geometry and materials in the environment that `scene` has now.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] before anything is copied, [`crate::Error::DeviceLost`].
+    pub fn relit(&self, device: &Device, scene: &Scene) -> Result<Self> {
+        let (lights, map) = lighting(scene, &self.emitters);
+        let records: &[u8] = bytemuck::cast_slice(&lights.records);
+        let words = bytemuck::cast_slice(map.as_ref().map_or(&[][..], |e| &e.words));
+        let (mut buffers, mut bytes) = (self.buffers.clone(), self.bytes);
+        for (name, remedy, contents) in
+            [("lights", FEWER_EMITTERS, records), ("environment", FEWER_TEXELS, words)]
+        {
+            check_binding(device.info(), &format!("the scene's {name}"), contents.len(), remedy)?;
+            if let Some((_, buffer)) = buffers.iter_mut().find(|(n, _)| *n == name) {
+                let made = device.storage_buffer(name, contents);
+                bytes = bytes.saturating_sub(buffer.size()) + made.size();
+                *buffer = made;
+            }
+        }
+        device.wait()?;
+        let facts = self.facts.with_lights(&lights);
+        Ok(Self { buffers, bytes, facts, emitters: self.emitters.clone() })
+    }
+
+    /// What the uniforms say of the buffers.
+    pub fn facts(&self) -> &BufferFacts {
+        &self.facts
+    }
+
     /// Buffers by the names of the shaders' variables.
     pub fn buffers(&self) -> impl Iterator<Item = (&'static str, &wgpu::Buffer)> {
         self.buffers.iter().map(|(name, buffer)| (*name, buffer))

@@ -131,6 +131,15 @@ impl World {
         Ok(world)
     }
 
+    /// The tree of `scene` whose leaves are triangles, spheres and placed meshes.
+    pub fn top_tree(scene: &Scene, accel: Accel) -> Bvh {
+        let (items, _) = top_items(scene, &Sources::gather(scene, true));
+        match accel {
+            Accel::Median => build_median(&items),
+            Accel::Bvh | Accel::None => build_sah(&items),
+        }
+    }
+
     /// Counts and quality.
     pub fn statistics(&self) -> WorldStatistics {
         self.statistics

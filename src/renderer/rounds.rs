@@ -119,6 +119,11 @@ impl Rounds {
         Ok((0..window.width * window.height).map(stop).collect())
     }
 
+    /// Share of the pixels that are done.
+    pub(super) fn done_share(&self) -> f64 {
+        1.0 - f64::from(self.active_count) / f64::from(self.pixel_count.max(1))
+    }
+
     /// Share of the pixels that are done, with that of the limit's samples for those that are not.
     pub(super) fn progress(&self) -> f64 {
         let active = f64::from(self.active_count) / f64::from(self.pixel_count.max(1));

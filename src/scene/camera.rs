@@ -3,7 +3,7 @@
 use glam::{Affine3A, Vec3};
 
 /// A camera in the world: it looks along its local -Z with +Y up.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     /// Node or camera name in the file.
     pub name: String,

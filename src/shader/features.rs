@@ -133,6 +133,12 @@ impl Features {
         if needed { self.with(feature) } else { self }
     }
 
+    /// This set but for `feature`.
+    #[must_use]
+    pub fn without(self, feature: Feature) -> Self {
+        Self(self.0 & !Self::default().with(feature).0)
+    }
+
     /// What either set holds.
     #[must_use]
     pub fn union(self, other: Self) -> Self {

@@ -1,0 +1,97 @@
+//! A scene on a device: what stays when camera, picture and sampling change.
+
+use super::RenderStatistics;
+use crate::Result;
+use crate::gpu::{Device, GpuScene, SceneBuffers, TreeWidth};
+use crate::passes::FloatEnvironment;
+use crate::scene::Scene;
+use crate::settings::{Accel, RenderSettings};
+use crate::shader::{Feature, Features};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Trees, tables and buffers of a scene, for any number of renders.
+pub struct PreparedScene {
+    pub(super) device: Arc<Device>,
+    pub(super) buffers: GpuScene,
+    pub(super) stack_size: u32,
+    /// Counts and times of the preparation; the rest is empty.
+    pub(super) statistics: RenderStatistics,
+    accel: Accel,
+    has_packets: bool,
+    has_anchors: bool,
+}
+
+impl PreparedScene {
+    /// Builds trees and uploads.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`], [`crate::Error::DeviceLost`].
+    pub fn new(device: Arc<Device>, scene: &Scene, accel: Accel) -> Result<Self> {
+        let begin = Instant::now();
+        let has_packets = device.traces_packets() && accel != Accel::None;
+        let width = if has_packets { TreeWidth::Four } else { TreeWidth::Two };
+        let settings = RenderSettings { accel, ..RenderSettings::default() };
+        let built = SceneBuffers::build(scene, &settings, width)?;
+        let bvh_seconds = begin.elapsed().as_secs_f64();
+        let buffers = built.upload(&device)?;
+        let world = built.world.statistics();
+        let statistics = RenderStatistics {
+            float_environment: Some(FloatEnvironment::of(&device)?),
+            bvh_seconds,
+            triangle_count: world.triangle_count,
+            sphere_count: world.sphere_count,
+            instance_count: world.instance_count,
+            node_count: world.node_count,
+            sah_cost: world.sah_cost,
+            tree_depth: world.tree_depth,
+            device_bytes: buffers.bytes(),
+            ..Default::default()
+        };
+        Ok(Self {
+            device,
+            buffers,
+            stack_size: built.world.stack_size.max(1),
+            statistics,
+            accel,
+            has_packets,
+            has_anchors: scene.spheres.iter().any(|s| scene.anchor_of(s).is_some()),
+        })
+    }
+
+    /// The same in the environment that `scene` has now; trees and materials are shared.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`], [`crate::Error::DeviceLost`].
+    pub fn relit(&self, scene: &Scene) -> Result<Self> {
+        let buffers = self.buffers.relit(&self.device, scene)?;
+        let device_bytes = buffers.bytes();
+        Ok(Self {
+            device: self.device.clone(),
+            buffers,
+            statistics: RenderStatistics { device_bytes, ..self.statistics.clone() },
+            ..*self
+        })
+    }
+
+    /// The device that it is on.
+    pub fn device(&self) -> &Arc<Device> {
+        &self.device
+    }
+
+    /// Seconds that trees and tables took.
+    pub fn build_seconds(&self) -> f64 {
+        self.statistics.bvh_seconds
+    }
+
+    /// What a render needs. Spheres have the anchors that they were prepared with, wherever the
+    /// camera is now, and trees are those that were built.
+    pub(super) fn features(&self, scene: &Scene, settings: &RenderSettings) -> Features {
+        let settings = RenderSettings { accel: self.accel, ..settings.clone() };
+        let features = Features::of(scene, &settings).with_if(Feature::Packets, self.has_packets);
+        match self.has_anchors || settings.all_features {
+            true => features.with_if(Feature::AnchoredSpheres, self.has_anchors),
+            false => features.without(Feature::AnchoredSpheres),
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! What the window shows as a command line that renders it.
+
+use super::wish::{SceneInfo, Wish};
+use crate::cli::job::default_block_size;
+use crate::cli::stopping::PRESETS;
+use crate::cli::values::{ACCELS, SAMPLERS, STRATEGIES, word_for};
+use steradian::scene::Camera;
+use steradian::settings::{Accel, Sampler, Strategy};
+use steradian::stopping::StoppingRule;
+
+/// The command, for a shell; `output` is the picture's name.
+pub(super) fn render(info: &SceneInfo, wish: &Wish, output: &str) -> String {
+    let words = arguments(info, wish, output);
+    words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+}
+
+/// A camera as `--camera` takes it.
+pub(super) fn camera(camera: &Camera) -> String {
+    format!("{camera:?}")
+}
+
+/// The same, word by word. What has its default is left out.
+fn arguments(info: &SceneInfo, wish: &Wish, output: &str) -> Vec<String> {
+    let s = &wish.settings;
+    let mut words: Vec<String> = ["steradian", "render"].map(String::from).into();
+    words.push(info.path.display().to_string());
+    let mut flag = |name: &str, value: String| words.extend([name.to_owned(), value]);
+    flag("-o", output.into());
+    flag("--resolution", format!("{}x{}", s.resolution.0, s.resolution.1));
+    if let Some(c) = s.crop {
+        flag("--crop", format!("{},{},{},{}", c.x, c.y, c.width, c.height));
+    }
+    flag("--spp", s.spp.to_string());
+    match s.stopping_rule() {
+        Some(StoppingRule::Calibrated(rule)) => {
+            flag("--noise", rule.tolerance.to_string());
+            flag("--confidence", rule.confidence.to_string());
+            flag("--preset", word_for(PRESETS, &rule.preset).into());
+        }
+        Some(StoppingRule::Seed(rule)) => {
+            flag("--adaptive", format!("seed:{},{}", rule.batch, rule.tolerance));
+        }
+        None if s.block_size != default_block_size(Some(s.spp)) => {
+            flag("--block", s.block_size.to_string());
+        }
+        None => {}
+    }
+    if s.seed != 0 {
+        flag("--seed", s.seed.to_string());
+    }
+    if s.strategy != Strategy::Mis {
+        flag("--strategy", word_for(STRATEGIES, &s.strategy).into());
+    }
+    if s.light_samples != 1 {
+        flag("--light-samples", s.light_samples.to_string());
+    }
+    if let Some(n) = s.max_bounces {
+        flag("--max-bounces", n.to_string());
+    }
+    if let Some(n) = s.only_bounce {
+        flag("--only-bounce", n.to_string());
+    }
+    if s.sampler != Sampler::Sobol {
+        flag("--sampler", word_for(SAMPLERS, &s.sampler).into());
+    }
+    if s.accel != Accel::Bvh {
+        flag("--accel", word_for(ACCELS, &s.accel).into());
+    }
+    if s.all_features {
+        flag("--features", "all".into());
+    }
+    // The file's own camera by its index, any other whole.
+    if info.cameras.get(wish.base) != Some(&wish.camera) || info.has_lens_flags {
+        flag("--camera", camera(&wish.camera));
+    } else if wish.base != 0 {
+        flag("--camera", wish.base.to_string());
+    }
+    let e = &wish.environment;
+    if let Some(path) = &e.environment {
+        flag("--environment", path.display().to_string());
+    }
+    if let Some(r) = e.environment_radiance {
+        flag("--environment-radiance", format!("{},{},{}", r.x, r.y, r.z));
+    }
+    if let Some(degrees) = e.environment_rotation {
+        flag("--environment-rotation", degrees.to_string());
+    }
+    if let Some(intensity) = e.environment_intensity {
+        flag("--environment-intensity", intensity.to_string());
+    }
+    if wish.display.exposure_ev != 0.0 && !output.ends_with(".exr") {
+        flag("--exposure", wish.display.exposure_ev.to_string());
+    }
+    if !s.roulette {
+        words.push("--no-roulette".into());
+    }
+    words
+}
+
+/// A word for a POSIX shell.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:,=%+@".contains(c);
+    match !word.is_empty() && word.chars().all(is_plain) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', r"'\''")),
+    }
+}

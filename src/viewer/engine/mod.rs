@@ -1,0 +1,468 @@
+//! The engine: a thread that owns the scene, the device and the renderer, follows the newest wish, and
+//! reports pictures. Each turn is short: a piece of work that the renderer bounds, or one picture of
+//! low resolution while things move.
+
+mod develop;
+mod load;
+mod look;
+mod recover;
+mod save;
+mod watch;
+
+use super::link::{Link, News};
+use super::wish::{Frame, Phase, Progress, Request, Wish};
+use crate::cli::flags::{EnvironmentFlags, JobFlags};
+use crate::cli::job::{Job, set_environment};
+use develop::Developed;
+use load::{Loader, Source};
+use recover::Losses;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use steradian::gpu::{Device, DeviceKind};
+use steradian::passes::Tuning;
+use steradian::renderer::PreparedScene;
+use steradian::scene::{Camera, Environment};
+use steradian::settings::Crop;
+use steradian::{Error, RenderSettings, Renderer, Result};
+use watch::Watch;
+
+/// After the camera's last motion, the time until the whole resolution is rendered again.
+const REST: Duration = Duration::from_millis(200);
+/// Seconds that a picture in motion should take.
+const MOTION_SECONDS: f64 = 0.06;
+/// Largest side of the squares of a picture in motion, pixels.
+const COARSEST: u32 = 16;
+/// Seconds of one submission: an answer waits for at most one. Longer ones cost less.
+const SUBMIT_SECONDS: f64 = 0.03;
+/// Least time between two pictures of a render that goes on.
+const PUBLISH_PAUSE: Duration = Duration::from_millis(60);
+/// Share of the time that showing pictures may take: one in so many.
+const PUBLISH_SHARE: u32 = 5;
+/// Where there is nothing to do.
+const IDLE: Duration = Duration::from_millis(500);
+
+/// What the engine is started with.
+pub(super) struct Options {
+    /// As of `steradian render`; for every scene that is opened.
+    pub(super) flags: JobFlags,
+    /// Name or index of the device.
+    pub(super) device: Option<String>,
+    /// Folder to read shaders from, in place of those in the program.
+    pub(super) shaders: Option<PathBuf>,
+    /// Scene to open first.
+    pub(super) scene: Option<PathBuf>,
+}
+
+/// A scene on the device.
+struct Stage {
+    job: Job,
+    prepared: Arc<PreparedScene>,
+    /// The scene's own, without the flags.
+    environment: Option<Environment>,
+    /// The flags that it has now.
+    applied: EnvironmentFlags,
+    /// Cameras of the file.
+    camera_count: usize,
+    generation: u64,
+}
+
+/// The thread's state.
+pub(super) struct Engine {
+    link: Link,
+    options: Options,
+    device: Option<Arc<Device>>,
+    tuning: Tuning,
+    source: Source,
+    loader: Option<Loader>,
+    watch: Watch,
+    stage: Option<Stage>,
+    wish: Option<(u64, Arc<Wish>)>,
+    renderer: Option<Renderer>,
+    /// When the whole resolution may begin.
+    resume_at: Instant,
+    /// Steps to take although paused.
+    steps: u32,
+    developed: Developed,
+    /// Samples per second, for the size of pictures in motion.
+    samples_per_second: f64,
+    losses: Losses,
+    message_count: u64,
+}
+
+impl Engine {
+    /// Starts the thread.
+    pub(super) fn start(link: Link, options: Options) -> std::io::Result<std::thread::JoinHandle<()>> {
+        let builder = std::thread::Builder::new().name("engine".into());
+        builder.spawn(move || Self::new(link, options).run())
+    }
+
+    fn new(link: Link, options: Options) -> Self {
+        let source = Source::new(&options);
+        Self {
+            link,
+            device: None,
+            tuning: Tuning { submit_seconds: SUBMIT_SECONDS, ..Tuning::default() },
+            watch: Watch::new(options.shaders.clone()),
+            source,
+            options,
+            loader: None,
+            stage: None,
+            wish: None,
+            renderer: None,
+            resume_at: Instant::now(),
+            steps: 0,
+            developed: Developed::default(),
+            samples_per_second: 1e5,
+            losses: Losses::default(),
+            message_count: 0,
+        }
+    }
+
+    fn run(mut self) {
+        self.begin();
+        loop {
+            let patience = self.patience();
+            let News { wish, requests, is_over } = self.link.news(patience);
+            if is_over {
+                break;
+            }
+            let turn = self.turn(wish, requests);
+            if let Err(error) = turn {
+                self.recover(&error);
+            }
+        }
+        self.end_loading();
+    }
+
+    /// Opens the device and the first scene.
+    fn begin(&mut self) {
+        match self.read_shaders() {
+            Ok(()) => {}
+            Err(e) => self.say(e.to_string(), true),
+        }
+        if let Err(error) = self.open_device() {
+            self.link.tell(|report| report.phase = Phase::Failed);
+            self.say(error.to_string(), true);
+            return;
+        }
+        if let Some(path) = self.options.scene.clone() {
+            self.open(path, false);
+        }
+    }
+
+    /// One turn of the loop: what is asked, then a piece of work.
+    fn turn(&mut self, wish: Option<(u64, Arc<Wish>)>, requests: Vec<Request>) -> Result<()> {
+        for request in requests {
+            self.serve(request)?;
+        }
+        self.receive_scene()?;
+        self.look_at_files();
+        if let Some((serial, wish)) = wish {
+            self.follow(serial, &wish)?;
+        }
+        self.work()
+    }
+
+    /// How long there is nothing to do.
+    fn patience(&self) -> Duration {
+        let is_paused = self.wish.as_ref().is_some_and(|(_, w)| w.is_paused) && self.steps == 0;
+        match (&self.stage, &self.renderer) {
+            _ if self.loader.is_some() => Duration::from_millis(10),
+            (None, _) => IDLE,
+            _ if is_paused => IDLE,
+            (Some(_), None) if self.wish.is_some() => {
+                self.resume_at.saturating_duration_since(Instant::now()).min(IDLE)
+            }
+            (Some(_), Some(renderer)) if !renderer.is_done() => Duration::ZERO,
+            _ => IDLE,
+        }
+    }
+
+    fn serve(&mut self, request: Request) -> Result<()> {
+        match request {
+            Request::Open(path) => self.open(path, false),
+            Request::Reload => {
+                self.read_shaders().unwrap_or_else(|e| self.say(e.to_string(), true));
+                if let Some(path) = self.source.path().map(PathBuf::from) {
+                    self.open(path, true);
+                }
+            }
+            Request::Save(path) => match self.save(&path) {
+                Ok(()) => self.say(format!("saved {}", path.display()), false),
+                Err(e @ Error::DeviceLost(_)) => return Err(e),
+                Err(e) => self.say(e.to_string(), true),
+            },
+            Request::Restart => {
+                self.renderer = None;
+                self.resume_at = Instant::now();
+                if self.device.is_none() {
+                    self.losses = Losses::default();
+                    self.open_device()?;
+                    self.read_again();
+                }
+            }
+            Request::Step => self.steps += 1,
+            Request::Pick(pixel) => self.pick(pixel)?,
+            Request::Tree => self.show_tree()?,
+            #[cfg(test)]
+            Request::LoseDevice => return Err(Error::DeviceLost("taken away by a test".into())),
+        }
+        Ok(())
+    }
+
+    /// Compares a wish with the last one, and begins what is new in it.
+    fn follow(&mut self, serial: u64, wish: &Arc<Wish>) -> Result<()> {
+        let Some(stage) = &mut self.stage else { return Ok(()) };
+        if wish.generation != stage.generation {
+            // It is about the scene before.
+            return Ok(());
+        }
+        let last = self.wish.replace((serial, wish.clone()));
+        let last = last.as_ref().filter(|(_, w)| w.generation == stage.generation);
+        if last.is_some_and(|(n, _)| *n == serial) {
+            return Ok(());
+        }
+        let last = last.map(|(_, w)| w.as_ref());
+        let is_same = last.is_some_and(|last| {
+            (&last.camera, last.base, &last.settings, &last.environment)
+                == (&wish.camera, wish.base, &wish.settings, &wish.environment)
+        });
+        if is_same {
+            let is_paused = wish.is_paused;
+            self.link.tell(|report| match report.phase {
+                Phase::Rendering if is_paused => report.phase = Phase::Paused,
+                Phase::Paused if !is_paused => report.phase = Phase::Rendering,
+                _ => {}
+            });
+            return self.show_again();
+        }
+        // Things that are dragged come many times: the whole resolution waits for their rest.
+        let is_restart = last.is_none_or(|last| {
+            last.camera == wish.camera
+                && last.environment == wish.environment
+                && last.settings.resolution == wish.settings.resolution
+        });
+        self.renderer = None;
+        match stage.apply(wish) {
+            Ok(()) => {}
+            Err(e @ Error::DeviceLost(_)) => return Err(e),
+            Err(e) => {
+                self.say(e.to_string(), true);
+                return Ok(());
+            }
+        }
+        self.resume_at = if is_restart { Instant::now() } else { Instant::now() + REST };
+        self.show_motion()
+    }
+
+    /// One piece of the render.
+    fn work(&mut self) -> Result<()> {
+        let Some((serial, wish)) = self.wish.clone() else { return Ok(()) };
+        let Some(stage) = &self.stage else { return Ok(()) };
+        if wish.is_paused && self.steps == 0 || wish.generation != stage.generation {
+            return Ok(());
+        }
+        if self.renderer.is_none() {
+            if Instant::now() < self.resume_at {
+                return Ok(());
+            }
+            let made = stage.renderer(&stage.job.settings, &self.tuning);
+            match made {
+                Ok(renderer) => self.renderer = Some(renderer),
+                Err(e @ (Error::DeviceLost(_) | Error::Shader { .. })) => return Err(e),
+                Err(e) => {
+                    self.say(e.to_string(), true);
+                    self.resume_at = Instant::now() + Duration::from_secs(3600);
+                    return Ok(());
+                }
+            }
+        }
+        let Some(renderer) = &mut self.renderer else { return Ok(()) };
+        if renderer.is_done() {
+            return Ok(());
+        }
+        renderer.step()?;
+        self.steps = self.steps.saturating_sub(1);
+        let s = renderer.statistics();
+        if s.render_seconds > 0.05 && s.samples > 0 {
+            self.samples_per_second = s.samples as f64 / s.render_seconds;
+        }
+        if renderer.is_done() || wish.is_paused || self.developed.is_due() {
+            self.show(serial)?;
+        }
+        Ok(())
+    }
+
+    /// Shows the render as it stands.
+    fn show(&mut self, wish: u64) -> Result<()> {
+        let begin = Instant::now();
+        let Some(renderer) = &self.renderer else { return Ok(()) };
+        let preview = renderer.preview()?;
+        let progress = progress(renderer, &preview.sample_counts);
+        let is_done = renderer.is_done();
+        let is_paused = self.wish.as_ref().is_some_and(|(_, w)| w.is_paused);
+        self.developed.keep(preview);
+        self.publish(wish, 1);
+        self.developed.paid(begin.elapsed());
+        self.link.tell(|report| {
+            report.progress = progress;
+            report.busy = None;
+            report.phase = match (is_done, is_paused) {
+                (true, _) => Phase::Done,
+                (false, true) => Phase::Paused,
+                _ => Phase::Rendering,
+            };
+        });
+        Ok(())
+    }
+
+    /// The same samples in another exposure.
+    fn show_again(&mut self) -> Result<()> {
+        if let Some((serial, _)) = self.wish {
+            let scale = self.developed.scale();
+            self.publish(serial, scale);
+        }
+        Ok(())
+    }
+
+    /// One sample of every pixel of a smaller picture.
+    fn show_motion(&mut self) -> Result<()> {
+        let (Some(stage), Some((serial, wish))) = (&self.stage, &self.wish) else { return Ok(()) };
+        let window = wish.settings.window();
+        let wanted = f64::from(window.width) * f64::from(window.height)
+            / (self.samples_per_second * MOTION_SECONDS).max(1.0);
+        let scale = (wanted.sqrt().ceil() as u32).clamp(1, COARSEST);
+        self.link.tell(|report| report.busy = Some("compiling shaders"));
+        let settings = in_motion(&stage.job.settings, scale);
+        let mut renderer = stage.renderer(&settings, &self.tuning)?;
+        while renderer.step()? {}
+        let s = renderer.statistics();
+        if s.render_seconds > 0.005 {
+            self.samples_per_second = s.samples as f64 / s.render_seconds;
+        }
+        let progress = progress(&renderer, &[0]);
+        let (serial, is_paused) = (*serial, wish.is_paused);
+        self.developed.keep_backdrop(renderer.preview()?, scale);
+        self.publish(serial, scale);
+        self.link.tell(|report| {
+            report.busy = None;
+            report.progress = progress;
+            report.phase = if is_paused { Phase::Paused } else { Phase::Rendering };
+        });
+        Ok(())
+    }
+
+    /// Hands the newest picture to the window.
+    fn publish(&mut self, wish_serial: u64, scale: u32) {
+        let Some((_, wish)) = &self.wish else { return };
+        let Some((size, rgba)) = self.developed.develop(&wish.display) else { return };
+        let camera = wish.camera.clone();
+        let is_whole = self.developed.is_whole();
+        let (window, resolution) = (wish.settings.window(), wish.settings.resolution);
+        self.link.tell(|report| {
+            let serial = report.frame.as_ref().map_or(0, |f| f.serial) + 1;
+            let rgba = Arc::new(rgba);
+            let wish = wish_serial;
+            let frame =
+                Frame { size, rgba, serial, camera, wish, scale, window, resolution, is_whole };
+            report.frame = Some(frame);
+        });
+    }
+
+    /// A line for the person.
+    fn say(&mut self, text: String, is_error: bool) {
+        self.message_count += 1;
+        let serial = self.message_count;
+        let prefix = if is_error { "error: " } else { "" };
+        crate::cli::talk::line(&format!("{prefix}{text}"));
+        let message = super::wish::Message { text, is_error, serial };
+        self.link.tell(|report| report.message = Some(message));
+    }
+
+    fn open_device(&mut self) -> Result<()> {
+        let device = Device::open(self.options.device.as_deref())?;
+        let info = device.info();
+        let name = format!("{} ({})", info.name, info.driver);
+        let is_software = info.kind == DeviceKind::Cpu;
+        self.samples_per_second = if is_software { 1e5 } else { 2e7 };
+        self.device = Some(Arc::new(device));
+        self.link.tell(|report| (report.device, report.is_software) = (name, is_software));
+        Ok(())
+    }
+}
+
+fn progress(renderer: &Renderer, sample_counts: &[u32]) -> Progress {
+    let s = renderer.statistics();
+    let least = sample_counts.iter().copied().min().unwrap_or(0);
+    let most = sample_counts.iter().copied().max().unwrap_or(0);
+    Progress {
+        spp: (least, most),
+        seconds: s.render_seconds,
+        samples: s.samples,
+        rays: s.closest_rays + s.shadow_rays,
+        converged: renderer.converged(),
+        relmse: renderer.film().estimated_error().map(|e| e.relmse),
+        faults: s.faults.iter().sum(),
+    }
+}
+
+impl Stage {
+    /// Puts camera, settings and environment of a wish in place.
+    fn apply(&mut self, wish: &Wish) -> Result<()> {
+        let cameras = &mut self.job.scene.cameras;
+        cameras.truncate(self.camera_count);
+        let is_of_file = cameras.get(wish.base) == Some(&wish.camera);
+        let camera = if is_of_file { wish.base } else { cameras.len() };
+        if !is_of_file {
+            cameras.push(Camera { name: "view".into(), ..wish.camera.clone() });
+        }
+        self.job.settings = RenderSettings { camera, ..wish.settings.clone() };
+        self.job.requested_spp = Some(wish.settings.spp);
+        if self.applied != wish.environment {
+            self.job.scene.environment = self.environment.clone();
+            set_environment(&mut self.job.scene, &wish.environment)?;
+            // A turn is in the uniforms, not in the tables.
+            if self.applied.without_rotation() != wish.environment.without_rotation() {
+                self.prepared = Arc::new(self.prepared.relit(&self.job.scene)?);
+            }
+            self.applied = wish.environment.clone();
+        }
+        self.job.settings.validate(&self.job.scene)
+    }
+
+    fn renderer(&self, settings: &RenderSettings, tuning: &Tuning) -> Result<Renderer> {
+        Renderer::of_prepared(self.prepared.clone(), &self.job.scene, settings, tuning)
+    }
+}
+
+/// One sample of each pixel of a picture whose sides are `scale` times smaller.
+fn in_motion(settings: &RenderSettings, scale: u32) -> RenderSettings {
+    let less = |n: u32| n.div_ceil(scale);
+    let resolution = (less(settings.resolution.0), less(settings.resolution.1));
+    let crop = settings.crop.map(|c| {
+        let (x, y) = (c.x / scale, c.y / scale);
+        let (width, height) = (less(c.x + c.width) - x, less(c.y + c.height) - y);
+        Crop { x, y, width, height }
+    });
+    RenderSettings { resolution, crop, spp: 1, time: None, ..settings.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_in_motion_are_within_the_whole() {
+        let crop = Some(Crop { x: 7, y: 5, width: 90, height: 11 });
+        for scale in 1..=COARSEST {
+            for crop in [None, crop] {
+                let whole = RenderSettings { resolution: (97, 16), crop, ..Default::default() };
+                let small = in_motion(&whole, scale);
+                let (c, (width, height)) = (small.window(), small.resolution);
+                assert!(c.width > 0 && c.height > 0, "{scale}");
+                assert!(c.x + c.width <= width && c.y + c.height <= height, "{scale}: {c:?}");
+            }
+        }
+    }
+}

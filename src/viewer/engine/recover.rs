@@ -1,0 +1,85 @@
+//! What an error does to the engine: a lost device is opened again, anything else is told.
+
+use super::Engine;
+use crate::viewer::wish::Phase;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use steradian::renderer::PreparedScene;
+use steradian::{Error, Result};
+
+/// A device that is lost twice within this time would be lost again.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// When devices were lost.
+#[derive(Default)]
+pub(super) struct Losses {
+    last: Option<Instant>,
+}
+
+impl Losses {
+    /// Notes a loss; whether to try again.
+    fn may_try_again(&mut self, now: Instant) -> bool {
+        let last = self.last.replace(now);
+        last.is_none_or(|last| now.duration_since(last) > PATIENCE)
+    }
+}
+
+impl Engine {
+    /// After an error, a state in which the loop can go on.
+    pub(super) fn recover(&mut self, error: &Error) {
+        self.renderer = None;
+        if !matches!(error, Error::DeviceLost(_)) {
+            self.say(error.to_string(), true);
+            self.fail();
+            return;
+        }
+        if !self.losses.may_try_again(Instant::now()) {
+            self.say(format!("{error}; once more: R tries again"), true);
+            self.fail();
+            return;
+        }
+        match self.rebuild() {
+            Ok(()) => self.say(format!("{error}; opened again, samples begin anew"), true),
+            Err(e) => {
+                self.say(format!("{error}; opening it again: {e}"), true);
+                self.fail();
+            }
+        }
+    }
+
+    /// Opens the device and puts the scene on it.
+    fn rebuild(&mut self) -> Result<()> {
+        self.device = None;
+        self.open_device()?;
+        if let (Some(stage), Some(device)) = (&mut self.stage, &self.device) {
+            let scene = &stage.job.scene;
+            let accel = stage.job.settings.accel;
+            stage.prepared = Arc::new(PreparedScene::new(device.clone(), scene, accel)?);
+        }
+        self.resume_at = Instant::now();
+        Ok(())
+    }
+
+    /// Nothing goes on before Restart.
+    fn fail(&mut self) {
+        self.device = None;
+        self.stage = None;
+        self.link.tell(|report| {
+            report.phase = Phase::Failed;
+            report.busy = None;
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_second_loss_soon_after_is_the_last() {
+        let (mut losses, start) = (Losses::default(), Instant::now());
+        assert!(losses.may_try_again(start));
+        assert!(!losses.may_try_again(start + PATIENCE / 2));
+        assert!(losses.may_try_again(start + PATIENCE * 2));
+    }
+}
