@@ -248,7 +248,7 @@ pub(crate) struct BenchFlags {
 
     /// Rules to run
     #[arg(long, value_name = "RULE,...", value_delimiter = ',', default_value = "seed,default,strict", value_parser = values::one_of(RULES))]
-    pub(crate) rules: Vec<Rule>,
+    pub(super) rules: Vec<Rule>,
 
     /// Samples of a pixel that the truth may take; 4096 at least
     #[arg(long, value_name = "N", default_value_t = 262_144, value_parser = clap::value_parser!(u32).range(4096..))]

@@ -78,6 +78,16 @@ fn seed_rule(text: &str) -> Parsed<SeedRule> {
 }
 
 impl StoppingFlags {
+    /// These, or, where nothing says when to stop, each pixel until this noise.
+    #[cfg(feature = "viewer")]
+    pub(crate) fn or_noise(mut self, tolerance: f32) -> Self {
+        let is_given = self.spp.is_some() || self.time.is_some() || self.adaptive.is_some();
+        if !is_given && self.noise.is_none() {
+            self.noise = Some(tolerance);
+        }
+        self
+    }
+
     /// The rule that is asked for.
     pub(crate) fn rule(&self) -> Option<StoppingRule> {
         if let Some(rule) = self.adaptive {

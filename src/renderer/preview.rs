@@ -15,6 +15,8 @@ pub struct Preview {
     pub picture: Picture,
     /// Samples of every pixel, row by row.
     pub sample_counts: Vec<u32>,
+    /// Counts and times so far.
+    pub statistics: RenderStatistics,
 }
 
 impl Renderer {
@@ -24,11 +26,18 @@ impl Renderer {
     /// [`crate::Error::DeviceLost`].
     pub fn preview(&self) -> Result<Preview> {
         let pending = self.pending()?;
+        let mut statistics = self.statistics.clone();
+        let window = self.film.window();
+        for (pixel, block) in &pending {
+            if let Some((x, y)) = self.place(*pixel) {
+                statistics.add_block((window.x + x, window.y + y), block);
+            }
+        }
         let means = pending.iter().filter_map(|(pixel, block)| {
             Some((self.place(*pixel)?, BlockMean::of(block)))
         });
         let (picture, sample_counts) = self.film.picture_with(means);
-        Ok(Preview { picture, sample_counts })
+        Ok(Preview { picture, sample_counts, statistics })
     }
 
     /// What [`Renderer::finish`] would leave: the film, and what was counted.
@@ -49,11 +58,11 @@ impl Renderer {
         Ok((film, statistics))
     }
 
-    /// Share of the pixels that need no more samples, 0 to 1.
-    pub fn converged(&self) -> f64 {
+    /// Share of the pixels that need no more samples, 0 to 1; `None` where all take as many.
+    pub fn converged(&self) -> Option<f64> {
         match &self.plan {
-            Plan::Fixed(_) => f64::from(self.is_done()),
-            Plan::Adaptive(rounds) => rounds.done_share(),
+            Plan::Fixed(_) => None,
+            Plan::Adaptive(rounds) => Some(rounds.done_share()),
         }
     }
 

@@ -5,6 +5,7 @@ use super::navigate;
 use super::wish::{Frame, Phase, Report, Request, Wish};
 use egui::{Color32, PointerButton, Pos2, Rect, Response, Sense, TextureHandle, TextureOptions, Ui, Vec2};
 use glam::Vec3;
+use std::time::Duration;
 use steradian::scene::Camera;
 use steradian::settings::Crop;
 
@@ -16,6 +17,9 @@ const TURN: f32 = std::f32::consts::PI;
 const SPEED: f32 = 0.25;
 /// Pixels in the longest line of a rectangle that is a click, not a drag.
 const LEAST_CROP: f32 = 4.0;
+
+/// Time after which a person wants to know what takes so long.
+const PATIENCE: Duration = Duration::from_millis(300);
 
 /// What of the picture's place the window remembers.
 #[derive(Default)]
@@ -255,7 +259,7 @@ fn crop(rect: Rect, (width, height): (u32, u32), chosen: Rect) -> Crop {
 /// Before there is a scene.
 fn empty(ui: &mut Ui, area: Rect, report: &Report) {
     let (title, line) = match (report.busy, &report.phase) {
-        (Some(busy), _) => (busy, ""),
+        (Some((busy, _)), _) => (busy, ""),
         (None, Phase::Failed) => ("No device", "see the message below; R tries again"),
         _ => ("Drop a glTF scene here", "or press Ctrl O"),
     };
@@ -271,7 +275,12 @@ fn empty(ui: &mut Ui, area: Rect, report: &Report) {
 
 /// Something is under way while the picture before stays.
 fn busy(ui: &mut Ui, area: Rect, report: &Report) {
-    let Some(text) = report.busy else { return };
+    let Some((text, since)) = report.busy else { return };
+    // What is over at once needs no word.
+    let left = PATIENCE.saturating_sub(since.elapsed());
+    if !left.is_zero() {
+        return ui.ctx().request_repaint_after(left);
+    }
     let font = egui::FontId::proportional(14.0);
     let galley = ui.painter().layout_no_wrap(format!("{text} …"), font, Color32::from_gray(230));
     let size = galley.size() + Vec2::new(44.0, 14.0);

@@ -53,8 +53,6 @@ pub(super) struct Binding {
     pub(super) modifiers: Modifiers,
     pub(super) key: Key,
     pub(super) action: Action,
-    /// Works only while the tree is shown.
-    pub(super) in_tree: bool,
 }
 
 const NONE: Modifiers = Modifiers::NONE;
@@ -63,7 +61,7 @@ const CTRL: Modifiers = Modifiers::COMMAND;
 
 macro_rules! bindings {
     ($($modifiers:ident $key:ident $action:expr),* $(,)?) => {
-        &[$(Binding { modifiers: $modifiers, key: Key::$key, action: $action, in_tree: false }),*]
+        &[$(Binding { modifiers: $modifiers, key: Key::$key, action: $action }),*]
     };
 }
 
@@ -124,10 +122,10 @@ pub(super) const BINDINGS: &[Binding] = bindings![
 
 /// Keys while the tree is shown; the others go on working.
 pub(super) const TREE_BINDINGS: &[Binding] = &[
-    Binding { modifiers: NONE, key: Key::ArrowLeft, action: Action::TreeLeft, in_tree: true },
-    Binding { modifiers: NONE, key: Key::ArrowRight, action: Action::TreeRight, in_tree: true },
-    Binding { modifiers: NONE, key: Key::ArrowUp, action: Action::TreeUp, in_tree: true },
-    Binding { modifiers: NONE, key: Key::A, action: Action::TreeRay, in_tree: true },
+    Binding { modifiers: NONE, key: Key::ArrowLeft, action: Action::TreeLeft },
+    Binding { modifiers: NONE, key: Key::ArrowRight, action: Action::TreeRight },
+    Binding { modifiers: NONE, key: Key::ArrowUp, action: Action::TreeUp },
+    Binding { modifiers: NONE, key: Key::A, action: Action::TreeRay },
 ];
 
 /// What a pressed key asks for.

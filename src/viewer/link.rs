@@ -4,7 +4,7 @@
 use super::wish::{Report, Request, Wish};
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// One end of it; both are alike.
 #[derive(Clone)]
@@ -89,6 +89,11 @@ impl Link {
     pub(super) fn tell(&self, change: impl FnOnce(&mut Report)) {
         change(&mut self.state().report);
         (self.shared.notify)();
+    }
+
+    /// Says what a person waits for, or that it is over.
+    pub(super) fn busy(&self, what: Option<&'static str>) {
+        self.tell(|report| report.busy = what.map(|what| (what, Instant::now())));
     }
 
     /// What is new; waits for it until `patience` is over.

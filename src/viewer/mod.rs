@@ -30,7 +30,7 @@ mod window;
 mod wish;
 
 use crate::cli::destination::check_place;
-use crate::cli::flags::ViewFlags;
+use crate::cli::flags::{JobFlags, ViewFlags};
 use crate::cli::signals::StopRequest;
 use crate::cli::talk;
 use app::App;
@@ -43,6 +43,9 @@ use std::path::Path;
 use std::process::ExitCode;
 use steradian::image::{OutputFormat, write_atomically};
 use steradian::{Error, Result};
+
+/// Where pixels stop unless the command line says otherwise: a noise that is hard to see.
+const NOISE: f32 = 0.02;
 
 /// Opens the window and stays until it is closed.
 pub(crate) fn run(flags: &ViewFlags) -> Result<ExitCode> {
@@ -64,7 +67,10 @@ pub(crate) fn run(flags: &ViewFlags) -> Result<ExitCode> {
     let link = Link::new(window::waker(&events));
     let mut app = App::new(link.clone(), preferences.clone(), flags.output.clone());
     let options = Options {
-        flags: flags.job.clone(),
+        flags: JobFlags {
+            stopping: flags.job.stopping.clone().or_noise(NOISE),
+            ..flags.job.clone()
+        },
         device: flags.device.clone(),
         shaders: flags.shaders.clone(),
         scene: flags.scene.clone(),

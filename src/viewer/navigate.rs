@@ -59,7 +59,8 @@ pub(super) fn forward(camera: &Camera) -> Vec3 {
 }
 
 /// Turns the camera about `pivot`: `yaw` about the world's +Y, `pitch` about the picture's
-/// horizontal, radians; positive moves the camera to the right and up.
+/// horizontal, radians; positive moves the camera to the left and up, so that the near side of the
+/// scene goes to the right and down in the picture, with the mouse.
 pub(super) fn orbit(camera: &mut Camera, pivot: Vec3, yaw: f32, pitch: f32) {
     let turn = turn(camera, -yaw, -pitch);
     let m = &mut camera.world_from_camera;
@@ -237,12 +238,12 @@ mod tests {
     }
 
     #[test]
-    fn positive_angles_move_the_camera_right_and_up() {
+    fn positive_angles_move_the_camera_left_and_up() {
         let mut c = camera();
         let (right, height) = (Vec3::from(c.world_from_camera.matrix3.x_axis), eye(&c).y);
         let start = eye(&c);
         orbit(&mut c, Vec3::ZERO, 0.1, 0.0);
-        assert!((eye(&c) - start).dot(right) > 0.0);
+        assert!((eye(&c) - start).dot(right) < 0.0);
         orbit(&mut c, Vec3::ZERO, 0.0, 0.1);
         assert!(eye(&c).y > height);
         let ahead = forward(&c);

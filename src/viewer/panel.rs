@@ -13,8 +13,6 @@ use steradian::stopping::{CalibratedRule, Preset, StoppingRule};
 
 /// Scenes without a lens begin with one this share of their size.
 const FIRST_LENS: f32 = 1e-3;
-/// A tolerance to begin with.
-const TOLERANCE: f32 = 0.02;
 
 /// Draws the panel.
 pub(super) fn show(ui: &mut Ui, app: &mut App, report: &Report) {
@@ -155,7 +153,7 @@ fn stopping(ui: &mut Ui, settings: &mut RenderSettings) {
 
 fn first_rule() -> StoppingRule {
     StoppingRule::Calibrated(CalibratedRule {
-        tolerance: TOLERANCE,
+        tolerance: super::NOISE,
         confidence: 0.95,
         preset: Preset::Default,
     })

@@ -55,8 +55,8 @@ fn line(p: &Progress) -> String {
         format!("{} samples/s", rate(p.samples)),
         format!("{} rays/s", rate(p.rays)),
     ];
-    if p.converged > 0.0 {
-        parts.push(format!("{:.1} % converged", 100.0 * p.converged));
+    if let Some(share) = p.converged {
+        parts.push(format!("{:.1} % converged", 100.0 * share));
     }
     if let Some(relmse) = p.relmse {
         parts.push(format!("relMSE {relmse:.1e}, about {} % per pixel", with_prefix(100.0 * relmse.sqrt())));
@@ -73,7 +73,7 @@ mod tests {
         let mut p = Progress { spp: (4, 4), seconds: 2.0, samples: 8000, rays: 32_000, ..Default::default() };
         assert_eq!(line(&p), "4 spp   2.0 s   4.00 k samples/s   16.0 k rays/s");
         p.spp = (4, 8);
-        p.converged = 0.25;
+        p.converged = Some(0.25);
         p.relmse = Some(1e-4);
         assert!(line(&p).starts_with("4 to 8 spp"));
         assert!(line(&p).ends_with("25.0 % converged   relMSE 1.0e-4, about 1 % per pixel"));

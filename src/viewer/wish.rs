@@ -4,6 +4,7 @@ use crate::cli::flags::EnvironmentFlags;
 use glam::Vec3;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Instant;
 use steradian::RenderSettings;
 use steradian::bvh::Bvh;
 use steradian::scene::Camera;
@@ -119,8 +120,8 @@ pub(super) struct Progress {
     pub(super) samples: u64,
     /// Of both kinds.
     pub(super) rays: u64,
-    /// Share of the pixels that need no more samples.
-    pub(super) converged: f64,
+    /// Share of the pixels that need no more samples, where they stop one by one.
+    pub(super) converged: Option<f64>,
     /// Estimated error of the picture, once there is one.
     pub(super) relmse: Option<f64>,
     /// Samples that cannot be right.
@@ -166,8 +167,8 @@ pub(super) struct Message {
 pub(super) struct Report {
     /// What is going on.
     pub(super) phase: Phase,
-    /// What a person waits for, if anything: "reading the scene".
-    pub(super) busy: Option<&'static str>,
+    /// What a person waits for, if anything, such as "reading the scene", and since when.
+    pub(super) busy: Option<(&'static str, Instant)>,
     /// The newest picture.
     pub(super) frame: Option<Frame>,
     /// The scene that is shown.

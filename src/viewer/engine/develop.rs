@@ -99,15 +99,19 @@ fn encode(picture: &Picture, display: &Display) -> Vec<u8> {
 mod tests {
     use super::*;
 
+    fn preview(picture: Picture, sample_counts: Vec<u32>) -> Preview {
+        Preview { picture, sample_counts, statistics: Default::default() }
+    }
+
     #[test]
     fn empty_pixels_show_the_backdrop() {
         let mut developed = Developed::default();
         assert!(developed.develop(&Display::default()).is_none());
         let small = Picture::new(1, 1, vec![[1.0; 3]]);
-        developed.keep_backdrop(Preview { picture: small, sample_counts: vec![1] }, 2);
+        developed.keep_backdrop(preview(small, vec![1]), 2);
         assert_eq!(developed.scale(), 2);
         let picture = Picture::new(2, 1, vec![[0.0; 3], [0.0; 3]]);
-        developed.keep(Preview { picture, sample_counts: vec![1, 0] });
+        developed.keep(preview(picture, vec![1, 0]));
         let (size, bytes) = developed.develop(&Display::default()).unwrap();
         assert_eq!((size, developed.scale()), ([2, 1], 1));
         assert_eq!(bytes, [0, 0, 0, 255, 255, 255, 255, 255]);

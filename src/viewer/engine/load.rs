@@ -73,7 +73,7 @@ impl Engine {
         let work = move || {
             // The engine may have lost interest.
             let _ = sender.send(load(&link, &file, &flags, device, &tuning));
-            link.tell(|report| report.busy = None);
+            link.busy(None);
         };
         match std::thread::Builder::new().name("loader".into()).spawn(work) {
             Ok(thread) => self.loader = Some(Loader { result, thread, path, is_again }),
@@ -171,7 +171,7 @@ fn load(
     device: Arc<Device>,
     tuning: &Tuning,
 ) -> Result<Loaded> {
-    let tell = |what| link.tell(|report| report.busy = Some(what));
+    let tell = |what| link.busy(Some(what));
     tell("reading the scene");
     let begin = Instant::now();
     let scene = load_with(path, &LoadOptions { strict: flags.strict })?;

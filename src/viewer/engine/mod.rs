@@ -21,7 +21,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use steradian::gpu::{Device, DeviceKind};
 use steradian::passes::Tuning;
-use steradian::renderer::PreparedScene;
+use steradian::renderer::{PreparedScene, Preview};
 use steradian::scene::{Camera, Environment};
 use steradian::settings::Crop;
 use steradian::{Error, RenderSettings, Renderer, Result};
@@ -284,10 +284,6 @@ impl Engine {
         }
         renderer.step()?;
         self.steps = self.steps.saturating_sub(1);
-        let s = renderer.statistics();
-        if s.render_seconds > 0.05 && s.samples > 0 {
-            self.samples_per_second = s.samples as f64 / s.render_seconds;
-        }
         if renderer.is_done() || wish.is_paused || self.developed.is_due() {
             self.show(serial)?;
         }
@@ -299,7 +295,10 @@ impl Engine {
         let begin = Instant::now();
         let Some(renderer) = &self.renderer else { return Ok(()) };
         let preview = renderer.preview()?;
-        let progress = progress(renderer, &preview.sample_counts);
+        let progress = progress(renderer, &preview);
+        if progress.seconds > 0.05 {
+            self.samples_per_second = progress.samples as f64 / progress.seconds;
+        }
         let is_done = renderer.is_done();
         let is_paused = self.wish.as_ref().is_some_and(|(_, w)| w.is_paused);
         self.developed.keep(preview);
@@ -333,7 +332,7 @@ impl Engine {
         let wanted = f64::from(window.width) * f64::from(window.height)
             / (self.samples_per_second * MOTION_SECONDS).max(1.0);
         let scale = (wanted.sqrt().ceil() as u32).clamp(1, COARSEST);
-        self.link.tell(|report| report.busy = Some("compiling shaders"));
+        self.link.busy(Some("compiling shaders"));
         let settings = in_motion(&stage.job.settings, scale);
         let mut renderer = stage.renderer(&settings, &self.tuning)?;
         while renderer.step()? {}
@@ -341,9 +340,10 @@ impl Engine {
         if s.render_seconds > 0.005 {
             self.samples_per_second = s.samples as f64 / s.render_seconds;
         }
-        let progress = progress(&renderer, &[0]);
         let (serial, is_paused) = (*serial, wish.is_paused);
-        self.developed.keep_backdrop(renderer.preview()?, scale);
+        let preview = renderer.preview()?;
+        let progress = Progress { spp: (0, 0), converged: None, ..progress(&renderer, &preview) };
+        self.developed.keep_backdrop(preview, scale);
         self.publish(serial, scale);
         self.link.tell(|report| {
             report.busy = None;
@@ -392,10 +392,10 @@ impl Engine {
     }
 }
 
-fn progress(renderer: &Renderer, sample_counts: &[u32]) -> Progress {
-    let s = renderer.statistics();
-    let least = sample_counts.iter().copied().min().unwrap_or(0);
-    let most = sample_counts.iter().copied().max().unwrap_or(0);
+fn progress(renderer: &Renderer, preview: &Preview) -> Progress {
+    let (s, counts) = (&preview.statistics, &preview.sample_counts);
+    let least = counts.iter().copied().min().unwrap_or(0);
+    let most = counts.iter().copied().max().unwrap_or(0);
     Progress {
         spp: (least, most),
         seconds: s.render_seconds,
