@@ -7,7 +7,7 @@ use super::values;
 use clap::Args;
 use glam::Vec3;
 use std::path::PathBuf;
-use steradian::image::MapColors;
+use steradian::image::{MapColors, ToneCurve};
 use steradian::settings::{Accel, Crop, Sampler, Strategy};
 
 /// Flags of `render`.
@@ -104,6 +104,10 @@ pub(super) struct PictureFlags {
     /// Exposure of a PNG in stops: radiance is multiplied by 2 to this power
     #[arg(long, value_name = "EV", value_parser = values::finite, allow_negative_numbers = true)]
     pub(super) exposure: Option<f32>,
+
+    /// Tone curve of a PNG, after the exposure; none by default
+    #[arg(long, value_parser = values::one_of(values::TONE_CURVES))]
+    pub(super) tone_map: Option<ToneCurve>,
 }
 
 /// How light is sampled.

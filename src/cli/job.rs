@@ -199,7 +199,15 @@ mod tests {
     }
 
     fn picture_flags(resolution: Option<(u32, u32)>, scale: Option<f32>) -> PictureFlags {
-        PictureFlags { resolution, scale, crop: None, pixel: None, bits: None, exposure: None }
+        PictureFlags {
+            resolution,
+            scale,
+            crop: None,
+            pixel: None,
+            bits: None,
+            exposure: None,
+            tone_map: None,
+        }
     }
 
     #[test]

@@ -70,6 +70,7 @@ fn settings_that_do_not_fit_the_scene_exit_with_2() {
         (&["-o", "a.png", "--only-bounce", "3", "--max-bounces", "2"], &["--only-bounce 3"]),
         (&["-o", "a.png", "--environment-intensity", "2"], &["no environment"]),
         (&["-o", "a.exr", "--exposure", "1"], &["--exposure", "PNG"]),
+        (&["-o", "a.exr", "--tone-map", "agx"], &["--tone-map", "PNG"]),
         (&["-o", "a.png", "--stats", "a.png"], &["same file"]),
     ];
     for (flags, words) in cases {
