@@ -167,8 +167,9 @@ pub(super) struct SamplingFlags {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub(super) struct CameraFlags {
-    /// Name or index of the camera; the first by default
-    #[arg(long, value_name = "NAME|INDEX")]
+    /// Name or index of the camera, or a file of one, as `info --dump-camera` prints it; the
+    /// first by default
+    #[arg(long, value_name = "NAME|INDEX|FILE")]
     pub(super) camera: Option<String>,
 
     /// Radius of the lens in metres; 0 is a pinhole
@@ -241,6 +242,10 @@ pub(super) struct BenchFlags {
 pub(super) struct InfoFlags {
     /// The scene: a .gltf or .glb file
     pub(super) scene: PathBuf,
+
+    /// Print this camera alone, as JSON that `render --camera FILE` takes
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub(super) dump_camera: Option<String>,
 
     /// Name or index of the device whose limits are compared with; all by default
     #[arg(long, value_name = "NAME|INDEX", env = "STERADIAN_DEVICE")]
