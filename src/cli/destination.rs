@@ -2,7 +2,7 @@
 
 use std::io::{Error as IoError, ErrorKind};
 use std::path::{Path, PathBuf};
-use steradian::image::{BitDepth, OutputFormat};
+use steradian::image::{BitDepth, OutputFormat, ToneCurve};
 use steradian::{Error, Result};
 
 use super::flags::RenderFlags;
@@ -18,6 +18,8 @@ pub(crate) struct Picture {
     pub(crate) depth: BitDepth,
     /// For PNG, stops.
     pub(crate) exposure_ev: f32,
+    /// For PNG.
+    pub(crate) tone_curve: ToneCurve,
 }
 
 /// All files of a render.
@@ -36,9 +38,11 @@ impl Destinations {
     pub(crate) fn check(flags: &RenderFlags) -> Result<Self> {
         let picture = flags.output.as_deref().map(|path| picture(path, flags)).transpose()?;
         let is_png = picture.as_ref().is_some_and(|p| p.format == OutputFormat::Png);
-        if !is_png && (flags.job.picture.bits.is_some() || flags.job.picture.exposure.is_some()) {
-            let message =
-                "--bits and --exposure are for PNG; other output has linear 32-bit floats";
+        let shown = &flags.job.picture;
+        let is_shown = shown.bits.is_some() || shown.exposure.is_some() || shown.tone_map.is_some();
+        if !is_png && is_shown {
+            let message = "--bits, --exposure and --tone-map are for PNG; other output has linear \
+                           32-bit floats";
             return Err(Error::Settings(message.into()));
         }
         let sample_map = flags.sample_map.clone();
@@ -72,7 +76,8 @@ fn picture(path: &Path, flags: &RenderFlags) -> Result<Picture> {
         _ => BitDepth::Eight,
     };
     let exposure_ev = flags.job.picture.exposure.unwrap_or(0.0);
-    Ok(Picture { path: path.to_owned(), format, depth, exposure_ev })
+    let tone_curve = flags.job.picture.tone_map.unwrap_or_default();
+    Ok(Picture { path: path.to_owned(), format, depth, exposure_ev, tone_curve })
 }
 
 /// That a file can be made at `path`: its folder is there and lets a file be

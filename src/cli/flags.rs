@@ -7,7 +7,7 @@ use super::values;
 use clap::Args;
 use glam::Vec3;
 use std::path::PathBuf;
-use steradian::image::MapColors;
+use steradian::image::{MapColors, ToneCurve};
 use steradian::settings::{Accel, Crop, Sampler, Strategy};
 
 /// Flags of `render`.
@@ -131,6 +131,10 @@ pub(crate) struct PictureFlags {
     /// Exposure of a PNG in stops: radiance is multiplied by 2 to this power
     #[arg(long, value_name = "EV", value_parser = values::finite, allow_negative_numbers = true)]
     pub(crate) exposure: Option<f32>,
+
+    /// Tone curve of a PNG, after the exposure; none by default
+    #[arg(long, value_parser = values::one_of(values::TONE_CURVES))]
+    pub(crate) tone_map: Option<ToneCurve>,
 }
 
 /// How light is sampled.
@@ -190,8 +194,9 @@ pub(crate) struct SamplingFlags {
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Camera")]
 pub(crate) struct CameraFlags {
-    /// Name or index of the camera; the first by default
-    #[arg(long, value_name = "NAME|INDEX")]
+    /// Name or index of the camera, or a file of one, as `info --dump-camera` prints it; the
+    /// first by default
+    #[arg(long, value_name = "NAME|INDEX|FILE")]
     pub(crate) camera: Option<String>,
 
     /// Radius of the lens in metres; 0 is a pinhole
@@ -271,6 +276,10 @@ pub(crate) struct BenchFlags {
 pub(crate) struct InfoFlags {
     /// The scene: a .gltf or .glb file
     pub(crate) scene: PathBuf,
+
+    /// Print this camera alone, as JSON that `render --camera FILE` takes
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub(crate) dump_camera: Option<String>,
 
     /// Name or index of the device whose limits are compared with; all by default
     #[arg(long, value_name = "NAME|INDEX", env = "STERADIAN_DEVICE")]

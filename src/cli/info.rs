@@ -1,6 +1,7 @@
 //! `steradian info`: what is in a scene and what becomes of it. Needs no device.
 
 use super::flags::InfoFlags;
+use super::job::find_camera;
 use super::talk::{self, size};
 use std::process::ExitCode;
 use steradian::gpu::{Device, DeviceInfo, SceneBuffers, TreeWidth};
@@ -12,6 +13,11 @@ use steradian::{RenderSettings, Result};
 /// Prints lines of a subject and what is to be said about it.
 pub(super) fn run(flags: &InfoFlags) -> Result<ExitCode> {
     let scene = load_with(&flags.scene, &LoadOptions { strict: flags.strict })?;
+    if let Some(selector) = &flags.dump_camera {
+        let camera = find_camera(&scene.cameras, "--dump-camera", Some(selector))?;
+        talk::data(&scene.cameras[camera].to_json())?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let settings = RenderSettings::default();
     let mut lines = contents(&scene);
     lines.extend(scene.cameras.iter().enumerate().map(|(i, c)| ("camera", camera(i, c))));

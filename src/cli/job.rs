@@ -44,7 +44,7 @@ impl Job {
         set_environment(&mut scene, &flags.environment)?;
         let load_seconds = begin.elapsed().as_secs_f64();
 
-        let camera = find_camera(&scene.cameras, flags.camera.camera.as_deref())?;
+        let camera = choose_camera(&mut scene.cameras, flags.camera.camera.as_deref())?;
         set_lens(&mut scene.cameras[camera], &flags.camera);
         let requested_spp = flags.stopping.requested_spp();
         let settings = RenderSettings {
@@ -100,15 +100,32 @@ fn resolution(flags: &PictureFlags, camera: &Camera) -> Result<(u32, u32)> {
     Ok((scaled[0] as u32, scaled[1] as u32))
 }
 
+/// Index of the camera, which is added to the scene's where it is a file's. The scene's own win.
+fn choose_camera(cameras: &mut Vec<Camera>, selector: Option<&str>) -> Result<usize> {
+    if let Some(json) = selector.filter(|s| s.trim_start().starts_with('{')) {
+        let wrong = |message| Error::Settings(format!("--camera: {message}"));
+        cameras.push(Camera::from_json(json).map_err(wrong)?);
+        return Ok(cameras.len() - 1);
+    }
+    let found = find_camera(cameras, "--camera", selector);
+    match (found, selector.map(Path::new)) {
+        (Err(_), Some(path)) if path.is_file() || path.extension() == Some("json".as_ref()) => {
+            cameras.push(Camera::read(path)?);
+            Ok(cameras.len() - 1)
+        }
+        (found, _) => found,
+    }
+}
+
 /// A name wins over an index, so that a camera named "2" can be had.
-fn find_camera(cameras: &[Camera], selector: Option<&str>) -> Result<usize> {
+pub(super) fn find_camera(cameras: &[Camera], flag: &str, selector: Option<&str>) -> Result<usize> {
     let Some(selector) = selector else { return Ok(0) };
     let by_name = cameras.iter().position(|camera| camera.name == selector);
     let by_index = || selector.parse().ok().filter(|index| *index < cameras.len());
     by_name.or_else(by_index).ok_or_else(|| {
         let names = cameras.iter().enumerate().map(|(i, camera)| format!("{i} {:?}", camera.name));
         let names: Vec<_> = names.collect();
-        Error::Settings(format!("--camera {selector}: the scene has {}", names.join(", ")))
+        Error::Settings(format!("{flag} {selector}: the scene has {}", names.join(", ")))
     })
 }
 
@@ -205,7 +222,15 @@ mod tests {
     }
 
     fn picture_flags(resolution: Option<(u32, u32)>, scale: Option<f32>) -> PictureFlags {
-        PictureFlags { resolution, scale, crop: None, pixel: None, bits: None, exposure: None }
+        PictureFlags {
+            resolution,
+            scale,
+            crop: None,
+            pixel: None,
+            bits: None,
+            exposure: None,
+            tone_map: None,
+        }
     }
 
     #[test]
@@ -233,11 +258,12 @@ mod tests {
     #[test]
     fn a_camera_has_a_name_and_an_index() {
         let cameras = [camera("front", None), camera("0", None), camera("top", None)];
-        let find = |selector| find_camera(&cameras, Some(selector)).map_err(|e| e.to_string());
+        let find =
+            |selector| find_camera(&cameras, "--camera", Some(selector)).map_err(|e| e.to_string());
         assert_eq!(find("top"), Ok(2));
         assert_eq!(find("2"), Ok(2));
         assert_eq!(find("0"), Ok(1));
-        assert_eq!(find_camera(&cameras, None).ok(), Some(0));
+        assert_eq!(find_camera(&cameras, "--camera", None).ok(), Some(0));
         let message = find("side").unwrap_err();
         assert!(message.contains("front") && message.contains("top"), "{message}");
         assert!(find("3").is_err() && find("-1").is_err());

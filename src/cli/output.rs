@@ -20,8 +20,8 @@ pub(crate) fn write(picture: &Picture, outcome: &Outcome) -> Result<()> {
     match picture.format {
         OutputFormat::Png => {
             let text = metadata.into_iter().map(|(name, value)| (name, as_text(value))).collect();
-            let options =
-                PngOptions { depth: picture.depth, exposure_ev: picture.exposure_ev, text };
+            let Picture { depth, exposure_ev, tone_curve, .. } = *picture;
+            let options = PngOptions { depth, exposure_ev, tone_curve, text };
             write_png(&picture.path, &outcome.film.picture(), &options)
         }
         OutputFormat::Exr => {

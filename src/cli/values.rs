@@ -4,6 +4,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
 use std::str::FromStr;
 use std::time::Duration;
+use steradian::image::ToneCurve;
 use steradian::settings::{Accel, Crop, Sampler, Strategy};
 
 /// Largest width and height of a picture.
@@ -33,6 +34,14 @@ pub(crate) const ACCELS: &[Word<Accel>] = &[
     ("bvh", Accel::Bvh, "tree by the surface area heuristic"),
     ("median", Accel::Median, "tree split at the median, for comparison"),
     ("none", Accel::None, "every ray tests every primitive, for comparison"),
+];
+
+/// Words of `--tone-map`.
+pub(crate) const TONE_CURVES: &[Word<ToneCurve>] = &[
+    ("none", ToneCurve::None, "clips at 1"),
+    ("neutral", ToneCurve::Neutral, "Khronos PBR Neutral"),
+    ("agx", ToneCurve::Agx, "AgX, base look"),
+    ("aces", ToneCurve::Aces, "ACES, Hill's fit"),
 ];
 
 /// The word for a value.

@@ -2,15 +2,19 @@
 //! number of further channels, PNG holds what a display shows.
 
 pub mod compare;
+mod display;
 mod exr;
 mod png;
 mod sample_map;
 mod srgb;
+mod tone;
 
+pub use self::display::DisplayTransform;
 pub use self::exr::{Attribute, ChannelData, ExrImage, Layer, Precision, read_exr, write_exr};
 pub use self::png::{BitDepth, PngOptions, read_png, write_png};
 pub use self::sample_map::{MapColors, sample_map};
 pub use self::srgb::{linear_from_srgb, srgb_from_linear};
+pub use self::tone::ToneCurve;
 
 use crate::{Error, Result};
 use std::fs::File;
@@ -42,7 +46,7 @@ impl Picture {
 /// Kinds of picture file that can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OutputFormat {
-    /// PNG, sRGB: exposed, clipped and rounded.
+    /// PNG, sRGB: exposed, by a tone curve or clipped, and rounded.
     Png,
     /// OpenEXR: linear, nothing lost.
     Exr,

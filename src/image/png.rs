@@ -1,6 +1,9 @@
 //! PNG: what a display shows, as sRGB with 8 or 16 bits.
 
-use super::{Picture, invalid_data, linear_from_srgb, srgb_from_linear, write_atomically};
+use super::{
+    DisplayTransform, Picture, ToneCurve, invalid_data, linear_from_srgb, srgb_from_linear,
+    write_atomically,
+};
 use crate::{Error, Result};
 use ::png::{
     BitDepth as PngDepth, ColorType, Decoder, DecodingError, Encoder, EncodingError,
@@ -27,12 +30,14 @@ pub struct PngOptions {
     pub depth: BitDepth,
     /// Exposure in stops: radiance is multiplied by 2 to this power.
     pub exposure_ev: f32,
+    /// What comes after the exposure.
+    pub tone_curve: ToneCurve,
     /// Text chunks (iTXt): keyword of 1 to 79 Latin-1 characters, and text.
     pub text: Vec<(String, String)>,
 }
 
 /// Writes `picture` with the sRGB transfer function, rounded to nearest without
-/// dither. The format has no values outside [0, 1]: they clip. A pixel that is
+/// dither. The format has no values outside [0, 1]: without a tone curve they clip. A pixel that is
 /// not finite is an error that names it, and no file is written.
 pub fn write_png(path: &Path, picture: &Picture, options: &PngOptions) -> Result<()> {
     let samples = encode_samples(path, picture, options)?;
@@ -58,16 +63,17 @@ pub fn write_png(path: &Path, picture: &Picture, options: &PngOptions) -> Result
 
 /// The bytes of the file's samples: big-endian, row by row from the top.
 fn encode_samples(path: &Path, picture: &Picture, options: &PngOptions) -> Result<Vec<u8>> {
-    let scale = options.exposure_ev.exp2();
+    let PngOptions { exposure_ev, tone_curve, .. } = *options;
+    let display = DisplayTransform { exposure_ev, tone_curve };
     let mut bytes = Vec::with_capacity(picture.rgb.len() * 6);
     for (index, pixel) in picture.rgb.iter().enumerate() {
-        for &value in pixel {
-            if !value.is_finite() {
-                let (x, y) = (index % picture.width as usize, index / picture.width as usize);
-                let message = format!("pixel ({x}, {y}) is {value}, which PNG cannot hold");
-                return Err(invalid_data(path, message));
-            }
-            let encoded = srgb_from_linear((value * scale).clamp(0.0, 1.0));
+        if let Some(value) = pixel.iter().find(|value| !value.is_finite()) {
+            let (x, y) = (index % picture.width as usize, index / picture.width as usize);
+            let message = format!("pixel ({x}, {y}) is {value}, which PNG cannot hold");
+            return Err(invalid_data(path, message));
+        }
+        for linear in display.linear(*pixel) {
+            let encoded = srgb_from_linear(linear);
             match options.depth {
                 BitDepth::Eight => bytes.push((encoded * 255.0).round() as u8),
                 BitDepth::Sixteen => {

@@ -8,13 +8,14 @@ use super::link::Link;
 use super::navigate;
 use super::preferences::Preferences;
 use super::tree::TreeView;
-use super::wish::{Display, Message, Report, Request, SceneInfo, Wish};
+use super::wish::{Message, Report, Request, SceneInfo, Wish};
 use super::{help, panel, status};
 use crate::cli::flags::EnvironmentFlags;
 use egui::{Panel, Ui};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use steradian::image::{DisplayTransform, ToneCurve};
 use steradian::settings::Strategy;
 
 /// How long a message is shown.
@@ -131,7 +132,10 @@ impl App {
         let base = info.settings.camera;
         let mut settings = info.settings.clone();
         let display = self.sent.as_ref().map_or_else(
-            || Display { exposure_ev: info.exposure_ev, ..self.preferences.display() },
+            || DisplayTransform {
+                exposure_ev: info.exposure_ev.unwrap_or(0.0),
+                tone_curve: info.tone_curve.unwrap_or(self.preferences.tone_curve()),
+            },
             |before| before.display,
         );
         if let Some(before) = &self.sent {
@@ -336,6 +340,12 @@ impl App {
             Action::Darker => wish.display.exposure_ev -= 0.5,
             Action::Brighter => wish.display.exposure_ev += 0.5,
             Action::NoExposure => wish.display.exposure_ev = 0.0,
+            Action::NextToneCurve => {
+                let all = ToneCurve::ALL;
+                let now = all.iter().position(|c| *c == wish.display.tone_curve).unwrap_or(0);
+                wish.display.tone_curve = all[(now + 1) % all.len()];
+                self.preferences.set_tone_curve(wish.display.tone_curve);
+            }
             Action::Tree => {
                 self.tree.is_shown = !self.tree.is_shown;
                 if self.tree.is_shown {

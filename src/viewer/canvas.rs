@@ -95,7 +95,7 @@ fn upload(ui: &Ui, app: &mut App, report: &Report) {
     if app.canvas.shown.as_ref().is_some_and(|f| f.serial == frame.serial) {
         return;
     }
-    let image = egui::ColorImage::from_rgba_unmultiplied(frame.size, &frame.rgba);
+    let image = egui::ColorImage::from_rgba_unmultiplied(frame.size, frame.rgba.as_flattened());
     // Coarse pictures are smooth; of fine ones every pixel can be seen.
     let options = match frame.scale {
         1 => TextureOptions {

@@ -3,7 +3,8 @@
 use super::wish::{SceneInfo, Wish};
 use crate::cli::job::default_block_size;
 use crate::cli::stopping::PRESETS;
-use crate::cli::values::{ACCELS, SAMPLERS, STRATEGIES, word_for};
+use crate::cli::values::{ACCELS, SAMPLERS, STRATEGIES, TONE_CURVES, word_for};
+use steradian::image::ToneCurve;
 use steradian::scene::Camera;
 use steradian::settings::{Accel, Sampler, Strategy};
 use steradian::stopping::StoppingRule;
@@ -16,7 +17,9 @@ pub(super) fn render(info: &SceneInfo, wish: &Wish, output: &str) -> String {
 
 /// A camera as `--camera` takes it.
 pub(super) fn camera(camera: &Camera) -> String {
-    format!("{camera:?}")
+    // In one line; the numbers keep all their digits.
+    let json = camera.to_json();
+    json.lines().map(str::trim).collect::<Vec<_>>().join(" ")
 }
 
 /// The same, word by word. What has its default is left out.
@@ -70,7 +73,8 @@ fn arguments(info: &SceneInfo, wish: &Wish, output: &str) -> Vec<String> {
         flag("--features", "all".into());
     }
     // The file's own camera by its index, any other whole.
-    if info.cameras.get(wish.base) != Some(&wish.camera) || info.has_lens_flags {
+    let is_of_file = info.cameras[..info.own_camera_count].get(wish.base) == Some(&wish.camera);
+    if !is_of_file || info.has_lens_flags {
         flag("--camera", camera(&wish.camera));
     } else if wish.base != 0 {
         flag("--camera", wish.base.to_string());
@@ -88,8 +92,12 @@ fn arguments(info: &SceneInfo, wish: &Wish, output: &str) -> Vec<String> {
     if let Some(intensity) = e.environment_intensity {
         flag("--environment-intensity", intensity.to_string());
     }
-    if wish.display.exposure_ev != 0.0 && !output.ends_with(".exr") {
+    let is_png = !output.ends_with(".exr");
+    if wish.display.exposure_ev != 0.0 && is_png {
         flag("--exposure", wish.display.exposure_ev.to_string());
+    }
+    if wish.display.tone_curve != ToneCurve::None && is_png {
+        flag("--tone-map", word_for(TONE_CURVES, &wish.display.tone_curve).into());
     }
     if !s.roulette {
         words.push("--no-roulette".into());

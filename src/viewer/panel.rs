@@ -5,7 +5,7 @@ use super::keys::Action;
 use super::navigate::Axis;
 use super::wish::{Report, Wish};
 use crate::cli::job::default_block_size;
-use crate::cli::values::{SAMPLERS, STRATEGIES};
+use crate::cli::values::{SAMPLERS, STRATEGIES, TONE_CURVES};
 use egui::{CollapsingHeader, ComboBox, DragValue, Grid, ScrollArea, Slider, Ui};
 use steradian::RenderSettings;
 use steradian::scene::{Camera, Projection};
@@ -59,6 +59,13 @@ fn picture(ui: &mut Ui, app: &mut App, wish: &mut Wish) {
             let ev = &mut wish.display.exposure_ev;
             ui.add(Slider::new(ev, -8.0..=8.0).clamping(egui::SliderClamping::Never).suffix(" EV"));
         });
+        ui.end_row();
+        ui.label("Tone curve");
+        let before = wish.display.tone_curve;
+        words(ui, "tone curve", TONE_CURVES, &mut wish.display.tone_curve);
+        if wish.display.tone_curve != before {
+            app.preferences.set_tone_curve(wish.display.tone_curve);
+        }
         ui.end_row();
         ui.label("Size");
         let (width, height) = wish.settings.resolution;

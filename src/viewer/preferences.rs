@@ -1,10 +1,10 @@
 //! What is kept from one session to the next: how the window looks, nothing about a scene.
 
-use super::wish::Display;
+use crate::cli::values::{TONE_CURVES, word_for};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use steradian::image::write_atomically;
+use steradian::image::{ToneCurve, write_atomically};
 use steradian::{Error, Result};
 
 /// Kept in `viewer.json`.
@@ -14,11 +14,17 @@ pub(super) struct Preferences {
     /// Inner width and height of the window, points.
     pub(super) window: (f32, f32),
     pub(super) is_panel_open: bool,
+    /// As `--tone-map` has it.
+    tone_curve: String,
 }
 
 impl Default for Preferences {
     fn default() -> Self {
-        Self { window: (1280.0, 800.0), is_panel_open: true }
+        Self {
+            window: (1280.0, 800.0),
+            is_panel_open: true,
+            tone_curve: word_for(TONE_CURVES, &ToneCurve::None).into(),
+        }
     }
 }
 
@@ -61,9 +67,15 @@ impl Preferences {
         write_atomically(path, |file| file.write_all(json.as_bytes()).map_err(failure))
     }
 
-    /// How pictures are shown at first.
-    pub(super) fn display(&self) -> Display {
-        Display::default()
+    /// The curve of the last picture; none where the word is unknown.
+    pub(super) fn tone_curve(&self) -> ToneCurve {
+        let named = TONE_CURVES.iter().find(|(word, _, _)| *word == self.tone_curve);
+        named.map_or(ToneCurve::None, |(_, curve, _)| *curve)
+    }
+
+    /// Keeps a curve for the next picture.
+    pub(super) fn set_tone_curve(&mut self, curve: ToneCurve) {
+        self.tone_curve = word_for(TONE_CURVES, &curve).into();
     }
 }
 
@@ -76,9 +88,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a/b/viewer.json");
         assert_eq!(Preferences::load(&path).unwrap(), Preferences::default());
-        let kept = Preferences { window: (640.0, 480.0), is_panel_open: false };
+        let mut kept = Preferences { window: (640.0, 480.0), ..Preferences::default() };
+        kept.is_panel_open = false;
+        kept.set_tone_curve(ToneCurve::Agx);
         kept.save(&path).unwrap();
-        assert_eq!(Preferences::load(&path).unwrap(), kept);
+        let read = Preferences::load(&path).unwrap();
+        assert_eq!((&read, read.tone_curve()), (&kept, ToneCurve::Agx));
     }
 
     #[test]

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use steradian::RenderSettings;
 use steradian::bvh::Bvh;
+use steradian::image::{DisplayTransform, ToneCurve};
 use steradian::scene::Camera;
 use steradian::settings::Crop;
 
@@ -24,16 +25,9 @@ pub(super) struct Wish {
     /// In place of, or on top of, the scene's environment.
     pub(super) environment: EnvironmentFlags,
     /// How the picture is shown. Changes nothing of what is accumulated.
-    pub(super) display: Display,
+    pub(super) display: DisplayTransform,
     /// Nothing is traced.
     pub(super) is_paused: bool,
-}
-
-/// From radiance to what the display shows.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Display {
-    /// Stops: radiance is multiplied by 2 to this power.
-    pub(super) exposure_ev: f32,
 }
 
 /// What the window needs to know of a scene.
@@ -59,8 +53,12 @@ pub(super) struct SceneInfo {
     pub(super) has_environment: bool,
     /// Whether the command line gives the picture's size; else it is that of the window.
     pub(super) has_fixed_size: bool,
-    /// Stops that the command line asks for.
-    pub(super) exposure_ev: f32,
+    /// What the command line asks for.
+    pub(super) exposure_ev: Option<f32>,
+    /// What the command line asks for.
+    pub(super) tone_curve: Option<ToneCurve>,
+    /// Cameras of the file; a further one is the command line's.
+    pub(super) own_camera_count: usize,
     /// Whether the command line changes a camera's lens.
     pub(super) has_lens_flags: bool,
     /// Triangles after instancing, and spheres.
@@ -133,8 +131,8 @@ pub(super) struct Progress {
 pub(super) struct Frame {
     /// Columns and rows.
     pub(super) size: [usize; 2],
-    /// sRGB, row by row from the top.
-    pub(super) rgba: Arc<Vec<u8>>,
+    /// sRGB and alpha, row by row from the top.
+    pub(super) rgba: Arc<Vec<[u8; 4]>>,
     /// Counts the pictures.
     pub(super) serial: u64,
     /// The camera that it was made with.

@@ -70,6 +70,7 @@ fn settings_that_do_not_fit_the_scene_exit_with_2() {
         (&["-o", "a.png", "--only-bounce", "3", "--max-bounces", "2"], &["--only-bounce 3"]),
         (&["-o", "a.png", "--environment-intensity", "2"], &["no environment"]),
         (&["-o", "a.exr", "--exposure", "1"], &["--exposure", "PNG"]),
+        (&["-o", "a.exr", "--tone-map", "agx"], &["--tone-map", "PNG"]),
         (&["-o", "a.png", "--stats", "a.png"], &["same file"]),
     ];
     for (flags, words) in cases {
@@ -94,6 +95,8 @@ fn an_unusable_scene_exits_with_3() {
         (&["sheen.gltf", "--strict"], "KHR_materials_sheen"),
         (&[QUAD_LIGHT, "--environment", "missing.hdr"], "missing.hdr"),
         (&[QUAD_LIGHT, "--environment", "empty.glb"], "empty.glb"),
+        (&[QUAD_LIGHT, "--camera", "missing.json"], "missing.json"),
+        (&[QUAD_LIGHT, "--camera", "text.gltf"], "text.gltf"),
     ];
     for (arguments, word) in cases {
         let flags = [&["-o", "a.png"], &SMALL[..]].concat();
@@ -101,6 +104,8 @@ fn an_unusable_scene_exits_with_3() {
         assert_refused(&output, 3, &[word], &format!("{arguments:?}"));
     }
     assert_refused(&program.run(&["info", "empty.glb"]), 3, &["empty.glb"], "info");
+    let dump = program.run(&["info", QUAD_LIGHT, "--dump-camera", "99"]);
+    assert_refused(&dump, 2, &["--dump-camera 99", "the scene has 0"], "dump");
     assert_eq!(program.files(), before);
 }
 

@@ -119,6 +119,26 @@ fn cameras_go_by_name_and_index() {
     assert_eq!(of("1"), of("far"));
 }
 
+/// A camera's file gives its picture, metadata and all; an edited one another.
+#[test]
+fn a_camera_in_a_file_is_the_scenes() {
+    let program = Program::new();
+    scene::write(&program.path("triangle.gltf"), &scene::triangle());
+    let render = |camera: &str, name: &str| {
+        let flags = ["--scale", "0.05", "--spp", "4", "--environment-radiance", "1"];
+        let call = ["render", "triangle.gltf", "--camera", camera, "-o", name];
+        program.succeed(&[&call[..], &flags].concat());
+        std::fs::read(program.path(name)).unwrap()
+    };
+    let dumped = program.succeed(&["info", "triangle.gltf", "--dump-camera", "far"]);
+    std::fs::write(program.path("far.json"), &dumped).unwrap();
+    assert!(render("far.json", "file.exr") == render("1", "index.exr"));
+    let nearer = dumped.replace("400.0", "4.0");
+    assert_ne!(nearer, dumped);
+    std::fs::write(program.path("camera"), nearer).unwrap();
+    assert!(render("camera", "near.exr") != render("1", "index.exr"));
+}
+
 #[test]
 fn time_ends_a_render_without_making_it_partial() {
     let program = Program::new();

@@ -2,7 +2,9 @@
 
 use super::{FURNACE_BOX, Program, QUAD_LIGHT, read_json, scene, talk};
 use std::path::Path;
-use steradian::image::{Attribute, ChannelData, ExrImage, Picture, read_exr, read_png};
+use steradian::image::{
+    Attribute, ChannelData, DisplayTransform, ExrImage, Picture, ToneCurve, read_exr, read_png,
+};
 
 const SMALL: [&str; 4] = ["--resolution", "48x40", "--spp", "16"];
 
@@ -55,6 +57,26 @@ fn exposure_doubles_with_every_stop() {
     let read = |name| read_png(&program.path(name)).unwrap();
     for (a, b) in read("a.png").rgb.iter().flatten().zip(read("b.png").rgb.iter().flatten()) {
         assert!(*a > 0.0 && (a - 2.0 * b).abs() <= 4.0 / 65535.0, "{a} {b}");
+    }
+}
+
+/// The file has the curve of what the file without one has.
+#[test]
+fn a_tone_curve_is_applied_to_the_linear_picture() {
+    let program = Program::new();
+    render(&program, "linear.exr", &[]);
+    let linear = exr(&program, "linear.exr").picture().unwrap();
+    let curves =
+        [("neutral", ToneCurve::Neutral), ("agx", ToneCurve::Agx), ("aces", ToneCurve::Aces)];
+    for (word, tone_curve) in curves {
+        let display = DisplayTransform { exposure_ev: 1.0, tone_curve };
+        render(&program, "a.png", &["--bits", "16", "--exposure", "1", "--tone-map", word]);
+        let shown = read_png(&program.path("a.png")).unwrap();
+        for (shown, linear) in shown.rgb.iter().zip(&linear.rgb) {
+            for (shown, expected) in shown.iter().zip(display.linear(*linear)) {
+                assert!((shown - expected).abs() <= 2.4 / 65535.0, "{word}: {shown} {expected}");
+            }
+        }
     }
 }
 

@@ -2,9 +2,8 @@
 //! the last picture in motion.
 
 use super::{PUBLISH_PAUSE, PUBLISH_SHARE};
-use crate::viewer::wish::Display;
 use std::time::{Duration, Instant};
-use steradian::image::{Picture, srgb_from_linear};
+use steradian::image::{DisplayTransform, Picture};
 use steradian::renderer::Preview;
 
 /// The newest picture, not yet exposed.
@@ -57,14 +56,14 @@ impl Developed {
     }
 
     /// Columns and rows, and sRGB with alpha; `None` before there is a picture.
-    pub(super) fn develop(&self, display: &Display) -> Option<([usize; 2], Vec<u8>)> {
+    pub(super) fn develop(&self, display: &DisplayTransform) -> Option<([usize; 2], Vec<[u8; 4]>)> {
         let backdrop = self.backdrop.as_ref().map(|(picture, _)| picture);
         let picture = match &self.newest {
             Some(preview) => filled(preview, backdrop),
             None => backdrop?.clone(),
         };
         let size = [picture.width as usize, picture.height as usize];
-        Some((size, encode(&picture, display)))
+        Some((size, display.srgb8(&picture.rgb)))
     }
 }
 
@@ -83,18 +82,6 @@ fn filled(preview: &Preview, backdrop: Option<&Picture>) -> Picture {
     picture
 }
 
-/// As a PNG has it: exposed, clipped, sRGB, rounded to nearest. What is not a number is magenta,
-/// which no light is.
-fn encode(picture: &Picture, display: &Display) -> Vec<u8> {
-    let scale = display.exposure_ev.exp2();
-    let byte = |v: f32| (srgb_from_linear((v * scale).clamp(0.0, 1.0)) * 255.0).round() as u8;
-    let rgba = |c: &[f32; 3]| match c.iter().all(|v| v.is_finite()) {
-        true => [byte(c[0]), byte(c[1]), byte(c[2]), 255],
-        false => [255, 0, 255, 255],
-    };
-    picture.rgb.iter().flat_map(rgba).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -106,21 +93,14 @@ mod tests {
     #[test]
     fn empty_pixels_show_the_backdrop() {
         let mut developed = Developed::default();
-        assert!(developed.develop(&Display::default()).is_none());
+        assert!(developed.develop(&DisplayTransform::default()).is_none());
         let small = Picture::new(1, 1, vec![[1.0; 3]]);
         developed.keep_backdrop(preview(small, vec![1]), 2);
         assert_eq!(developed.scale(), 2);
         let picture = Picture::new(2, 1, vec![[0.0; 3], [0.0; 3]]);
         developed.keep(preview(picture, vec![1, 0]));
-        let (size, bytes) = developed.develop(&Display::default()).unwrap();
+        let (size, bytes) = developed.develop(&DisplayTransform::default()).unwrap();
         assert_eq!((size, developed.scale()), ([2, 1], 1));
-        assert_eq!(bytes, [0, 0, 0, 255, 255, 255, 255, 255]);
-    }
-
-    #[test]
-    fn exposure_is_in_stops_and_what_is_no_number_shows() {
-        let picture = Picture::new(2, 1, vec![[0.25, 0.5, 2.0], [f32::NAN, 0.0, 0.0]]);
-        let bytes = encode(&picture, &Display { exposure_ev: 1.0 });
-        assert_eq!(bytes, [188, 255, 255, 255, 255, 0, 255, 255]);
+        assert_eq!(bytes, [[0, 0, 0, 255], [255; 4]]);
     }
 }

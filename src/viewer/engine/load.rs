@@ -38,6 +38,8 @@ struct Loaded {
     prepared: PreparedScene,
     /// The scene's own, before the flags.
     environment: Option<Environment>,
+    /// Those of the file.
+    own_camera_count: usize,
 }
 
 impl Source {
@@ -123,7 +125,7 @@ impl Engine {
     }
 
     fn show_scene(&mut self, loader: &Loader, loaded: Loaded) {
-        let Loaded { job, prepared, environment } = loaded;
+        let Loaded { job, prepared, environment, own_camera_count } = loaded;
         self.source.generation += 1;
         let flags = self.source.flags.clone();
         let scene = &job.scene;
@@ -139,7 +141,9 @@ impl Engine {
             environment: flags.environment.clone(),
             has_environment: scene.environment.is_some(),
             has_fixed_size: flags.picture.resolution.is_some(),
-            exposure_ev: flags.picture.exposure.unwrap_or(0.0),
+            exposure_ev: flags.picture.exposure,
+            tone_curve: flags.picture.tone_map,
+            own_camera_count,
             has_lens_flags: flags.camera.aperture.is_some() || flags.camera.focus.is_some(),
             primitive_count: scene.primitive_count(),
             seconds: (job.load_seconds, prepared.build_seconds()),
@@ -175,7 +179,7 @@ fn load(
     tell("reading the scene");
     let begin = Instant::now();
     let scene = load_with(path, &LoadOptions { strict: flags.strict })?;
-    let environment = scene.environment.clone();
+    let (environment, own_camera_count) = (scene.environment.clone(), scene.cameras.len());
     let job = Job::of(scene, flags, begin)?;
     tell("building trees");
     let prepared = Arc::new(PreparedScene::new(device, &job.scene, job.settings.accel)?);
@@ -185,5 +189,5 @@ fn load(
     Renderer::of_prepared(prepared.clone(), &job.scene, &small, tuning)?;
     let prepared = Arc::into_inner(prepared)
         .ok_or_else(|| Error::DeviceLost("a render outlived its test".into()))?;
-    Ok(Loaded { job, prepared, environment })
+    Ok(Loaded { job, prepared, environment, own_camera_count })
 }

@@ -19,7 +19,7 @@ impl Engine {
             return Err(Error::Settings("there is no picture to save yet".into()));
         };
         let (film, statistics) = renderer.snapshot()?;
-        let exposure_ev = self.wish.as_ref().map_or(0.0, |(_, w)| w.display.exposure_ev);
+        let display = self.wish.as_ref().map(|(_, w)| w.display).unwrap_or_default();
         let info = device.info();
         let outcome = Outcome {
             job: &stage.job,
@@ -30,7 +30,13 @@ impl Engine {
             // What is not done is marked, as a picture is that a signal ended.
             stop_code: (!renderer.is_done()).then_some(0),
         };
-        let picture = Picture { path: path.to_owned(), format, depth: BitDepth::Eight, exposure_ev };
+        let picture = Picture {
+            path: path.to_owned(),
+            format,
+            depth: BitDepth::Eight,
+            exposure_ev: display.exposure_ev,
+            tone_curve: display.tone_curve,
+        };
         output::write(&picture, &outcome)
     }
 }
