@@ -133,7 +133,9 @@ impl Renderer {
         self.statistics = self.statistics.without_counts();
         self.started = None;
         match &mut self.plan {
-            Plan::Fixed(schedule) => *schedule = Schedule::new(&self.prepared.device, &self.settings)?,
+            Plan::Fixed(schedule) => {
+                *schedule = Schedule::new(&self.prepared.device, &self.settings)?
+            }
             Plan::Adaptive(rounds) => rounds.restart(&self.prepared.device)?,
         }
         Ok(())
@@ -259,7 +261,8 @@ impl Renderer {
         }
         let begin = Instant::now();
         let Plan::Adaptive(rounds) = &mut self.plan else { return Ok(()) };
-        self.statistics.decisions += u32::from(rounds.end(&self.prepared.device, &blocks, &self.film)?);
+        self.statistics.decisions +=
+            u32::from(rounds.end(&self.prepared.device, &blocks, &self.film)?);
         self.statistics.stopping_seconds += begin.elapsed().as_secs_f64();
         Ok(())
     }

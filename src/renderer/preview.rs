@@ -33,9 +33,9 @@ impl Renderer {
                 statistics.add_block((window.x + x, window.y + y), block);
             }
         }
-        let means = pending.iter().filter_map(|(pixel, block)| {
-            Some((self.place(*pixel)?, BlockMean::of(block)))
-        });
+        let means = pending
+            .iter()
+            .filter_map(|(pixel, block)| Some((self.place(*pixel)?, BlockMean::of(block))));
         let (picture, sample_counts) = self.film.picture_with(means);
         Ok(Preview { picture, sample_counts, statistics })
     }

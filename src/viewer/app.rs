@@ -391,9 +391,8 @@ impl App {
 
     /// Whether the scene's own environment, or another, is there to be turned.
     pub(super) fn has_environment(&self) -> bool {
-        let is_given = |e: &EnvironmentFlags| {
-            e.environment.is_some() || e.environment_radiance.is_some()
-        };
+        let is_given =
+            |e: &EnvironmentFlags| e.environment.is_some() || e.environment_radiance.is_some();
         self.scene.as_ref().is_some_and(|s| s.has_environment)
             || self.wish.as_ref().is_some_and(|w| is_given(&w.environment))
     }

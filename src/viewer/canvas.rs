@@ -3,7 +3,9 @@
 use super::app::App;
 use super::navigate;
 use super::wish::{Frame, Phase, Report, Request, Wish};
-use egui::{Color32, PointerButton, Pos2, Rect, Response, Sense, TextureHandle, TextureOptions, Ui, Vec2};
+use egui::{
+    Color32, PointerButton, Pos2, Rect, Response, Sense, TextureHandle, TextureOptions, Ui, Vec2,
+};
 use glam::Vec3;
 use std::time::Duration;
 use steradian::scene::Camera;
@@ -36,11 +38,19 @@ pub(super) struct Canvas {
     texture: Option<TextureHandle>,
     /// The frame in the texture.
     pub(super) shown: Option<Frame>,
-    /// Where the whole picture is in the window.
+    /// Where the whole picture is in the window, points.
     pub(super) rect: Option<Rect>,
+    /// The same in pixels of the display: left, top, right, bottom.
+    pub(super) pixels: Option<[f32; 4]>,
 }
 
 impl Canvas {
+    /// Columns and rows of what is on the display.
+    #[cfg(test)]
+    pub(super) fn texture_size(&self) -> Option<[usize; 2]> {
+        self.texture.as_ref().map(TextureHandle::size)
+    }
+
     /// A camera that was not moved from another: the pivot is where it is in focus.
     pub(super) fn begin(&mut self, camera: &Camera) {
         let distance = camera.focus_distance;
@@ -58,8 +68,11 @@ pub(super) fn show(ui: &mut Ui, app: &mut App, report: &Report) {
     let Some(wish) = &app.wish else {
         return empty(ui, area, report);
     };
-    let rect = place(wish, area);
+    let scale = ui.ctx().pixels_per_point();
+    let rect = place(wish, area, scale);
     app.canvas.rect = Some(rect);
+    let edges = [rect.min.x, rect.min.y, rect.max.x, rect.max.y];
+    app.canvas.pixels = Some(edges.map(|v| (v * scale).round()));
     draw(ui, app, rect);
     super::tree::draw(ui, app, rect, report);
     interact(ui, app, &response, rect);
@@ -81,13 +94,17 @@ fn fit_resolution(app: &mut App, area: Rect, pixels_per_point: f32) {
     }
 }
 
-/// The largest rectangle of the picture's shape in the middle of `area`; pixels that are larger
-/// than those of the display are whole multiples where the picture's size is given.
-fn place(wish: &Wish, area: Rect) -> Rect {
+/// The largest rectangle of the picture's shape in the middle of `area`. Its pixels are whole
+/// multiples of the display's, unless the picture is larger than its place.
+fn place(wish: &Wish, area: Rect, pixels_per_point: f32) -> Rect {
     let (width, height) = wish.settings.resolution;
-    let (width, height) = (width as f32, height as f32);
-    let fit = (area.width() / width).min(area.height() / height);
-    Rect::from_center_size(area.center(), Vec2::new(width * fit, height * fit))
+    let size = Vec2::new(width as f32, height as f32);
+    let room = area.size() * pixels_per_point;
+    let fit = (room.x / size.x).min(room.y / size.y);
+    let scale = if fit >= 1.0 { fit.floor() } else { fit };
+    let size = size * scale;
+    let corner = (area.min.to_vec2() * pixels_per_point + (room - size) * 0.5).round();
+    Rect::from_min_size((corner / pixels_per_point).to_pos2(), size / pixels_per_point)
 }
 
 fn upload(ui: &Ui, app: &mut App, report: &Report) {
@@ -209,7 +226,8 @@ fn fly(ui: &Ui, app: &mut App, response: &Response, drag: Vec2) {
     if drag != Vec2::ZERO {
         navigate::look(&mut wish.camera, -drag.x, -drag.y);
     }
-    let axis = |plus, minus| ui.input(|i| f32::from(i.key_down(plus)) - f32::from(i.key_down(minus)));
+    let axis =
+        |plus, minus| ui.input(|i| f32::from(i.key_down(plus)) - f32::from(i.key_down(minus)));
     use egui::Key;
     let way = Vec3::new(axis(Key::D, Key::A), axis(Key::E, Key::Q), axis(Key::W, Key::S));
     if way != Vec3::ZERO {
@@ -222,8 +240,7 @@ fn fly(ui: &Ui, app: &mut App, response: &Response, drag: Vec2) {
     }
     // What it turns about later is ahead.
     let distance = wish.camera.focus_distance;
-    app.canvas.pivot =
-        navigate::eye(&wish.camera) + navigate::forward(&wish.camera) * distance;
+    app.canvas.pivot = navigate::eye(&wish.camera) + navigate::forward(&wish.camera) * distance;
 }
 
 fn choose_crop(ui: &Ui, app: &mut App, response: &Response, rect: Rect) {
@@ -266,7 +283,13 @@ fn empty(ui: &mut Ui, area: Rect, report: &Report) {
     let at = |dy: f32| area.center() + Vec2::new(0.0, dy);
     let center = egui::Align2::CENTER_CENTER;
     let painter = ui.painter();
-    painter.text(at(-12.0), center, title, egui::FontId::proportional(22.0), Color32::from_gray(200));
+    painter.text(
+        at(-12.0),
+        center,
+        title,
+        egui::FontId::proportional(22.0),
+        Color32::from_gray(200),
+    );
     painter.text(at(16.0), center, line, egui::FontId::proportional(14.0), Color32::from_gray(130));
     if report.busy.is_some() {
         spinner(ui, at(36.0));
@@ -299,6 +322,7 @@ fn spinner(ui: &mut Ui, center: Pos2) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use steradian::RenderSettings;
 
     const RECT: Rect = Rect { min: Pos2::new(100.0, 50.0), max: Pos2::new(300.0, 150.0) };
 
@@ -307,6 +331,31 @@ mod tests {
         assert_eq!(picture_point(RECT, RECT.center()), (0.0, 0.0));
         assert_eq!(picture_point(RECT, RECT.left_top()), (-1.0, 1.0));
         assert_eq!(picture_point(RECT, RECT.right_bottom()), (1.0, -1.0));
+    }
+
+    #[test]
+    fn pixels_are_whole_multiples_where_there_is_room() {
+        let area = Rect::from_min_size(Pos2::new(3.0, 5.0), Vec2::new(400.0, 300.0));
+        let camera = Camera::framing((Vec3::ZERO, Vec3::ONE));
+        let settings = |resolution| RenderSettings { resolution, ..Default::default() };
+        let wish = |resolution| Wish {
+            generation: 1,
+            base: 0,
+            camera: camera.clone(),
+            settings: settings(resolution),
+            environment: Default::default(),
+            display: Default::default(),
+            is_paused: false,
+        };
+        for pixels_per_point in [1.0, 1.5, 2.0] {
+            let rect = place(&wish((90, 50)), area, pixels_per_point);
+            let scale = rect.width() * pixels_per_point / 90.0;
+            assert!((scale - scale.round()).abs() < 1e-4 && area.contains_rect(rect), "{scale}");
+            let corner = rect.min * pixels_per_point;
+            assert!((corner - corner.round()).length() < 1e-3);
+            let large = place(&wish((4000, 2000)), area, pixels_per_point);
+            assert!((large.width() - 400.0).abs() < 1e-3 && (large.height() - 200.0).abs() < 1e-3);
+        }
     }
 
     #[test]

@@ -104,6 +104,8 @@ struct Stats<'a> {
     device: &'a str,
     /// Of the picture at the end, pixels.
     resolution: Option<(u32, u32)>,
+    /// Where it was in the window, pixels: left, top, right, bottom.
+    picture_edges: Option<[f32; 4]>,
     #[serde(flatten)]
     latency: latency::LatencyReport,
 }
@@ -117,6 +119,7 @@ fn write_stats(path: &Path, app: &App) -> Result<()> {
         scene: report.scene.as_ref().map(|s| s.name.as_str()),
         device: &report.device,
         resolution: app.wish.as_ref().map(|w| w.settings.resolution),
+        picture_edges: app.canvas.pixels,
         latency: app.latency.report(),
     };
     let mut json = serde_json::to_string_pretty(&stats).map_err(|e| failure(e.into()))?;

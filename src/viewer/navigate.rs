@@ -167,12 +167,8 @@ pub(super) fn frame_all(camera: &mut Camera, bounds: (Vec3, Vec3), aspect_ratio:
 pub(super) fn look_along(camera: &mut Camera, axis: Axis, pivot: Vec3) {
     let (z, y) = axis.frame();
     let distance = eye(camera).distance(pivot);
-    camera.world_from_camera = Affine3A::from_cols(
-        y.cross(z).into(),
-        y.into(),
-        z.into(),
-        (pivot + z * distance).into(),
-    );
+    camera.world_from_camera =
+        Affine3A::from_cols(y.cross(z).into(), y.into(), z.into(), (pivot + z * distance).into());
 }
 
 /// Direction of unit length from the camera through a point of the picture, both coordinates

@@ -6,7 +6,7 @@ use super::navigate::Axis;
 use super::wish::{Report, Wish};
 use crate::cli::job::default_block_size;
 use crate::cli::values::{SAMPLERS, STRATEGIES, TONE_CURVES};
-use egui::{CollapsingHeader, ComboBox, DragValue, Grid, ScrollArea, Slider, Ui};
+use egui::{CollapsingHeader, ComboBox, DragValue, Grid, Id, ScrollArea, Slider, Ui};
 use steradian::RenderSettings;
 use steradian::scene::{Camera, Projection};
 use steradian::stopping::{CalibratedRule, Preset, StoppingRule};
@@ -54,15 +54,16 @@ fn files(ui: &mut Ui, app: &mut App) {
 
 fn picture(ui: &mut Ui, app: &mut App, wish: &mut Wish) {
     rows(ui, "picture", |ui| {
-        ui.label("Exposure");
+        let name = ui.label("Exposure").id;
         ui.horizontal(|ui| {
             let ev = &mut wish.display.exposure_ev;
-            ui.add(Slider::new(ev, -8.0..=8.0).clamping(egui::SliderClamping::Never).suffix(" EV"));
+            let slider = Slider::new(ev, -8.0..=8.0).clamping(egui::SliderClamping::Never);
+            ui.add(slider.suffix(" EV")).labelled_by(name);
         });
         ui.end_row();
-        ui.label("Tone curve");
+        let name = ui.label("Tone curve").id;
         let before = wish.display.tone_curve;
-        words(ui, "tone curve", TONE_CURVES, &mut wish.display.tone_curve);
+        words(ui, name, TONE_CURVES, &mut wish.display.tone_curve);
         if wish.display.tone_curve != before {
             app.preferences.set_tone_curve(wish.display.tone_curve);
         }
@@ -72,15 +73,15 @@ fn picture(ui: &mut Ui, app: &mut App, wish: &mut Wish) {
         ui.label(format!("{width} × {height}"));
         ui.end_row();
         if app.scene.as_ref().is_some_and(|s| !s.has_fixed_size) {
-            ui.label("Pixel size");
-            ComboBox::from_id_salt("pixel size").selected_text(format!("{0} × {0}", app.pixel_size)).show_ui(
-                ui,
-                |ui| {
-                    for size in [1, 2, 3, 4, 8] {
-                        ui.selectable_value(&mut app.pixel_size, size, format!("{size} × {size}"));
-                    }
-                },
-            );
+            let name = ui.label("Pixel size").id;
+            let text = |size: u32| format!("{size} × {size}");
+            let list = ComboBox::from_id_salt("pixel size").selected_text(text(app.pixel_size));
+            let list = list.show_ui(ui, |ui| {
+                for size in [1, 2, 3, 4, 8] {
+                    ui.selectable_value(&mut app.pixel_size, size, text(size));
+                }
+            });
+            list.response.labelled_by(name);
             ui.end_row();
         }
     });
@@ -97,26 +98,27 @@ fn picture(ui: &mut Ui, app: &mut App, wish: &mut Wish) {
 
 fn sampling(ui: &mut Ui, settings: &mut RenderSettings) {
     rows(ui, "sampling", |ui| {
-        ui.label("Strategy");
-        words(ui, "strategy", STRATEGIES, &mut settings.strategy);
+        let name = ui.label("Strategy").id;
+        words(ui, name, STRATEGIES, &mut settings.strategy);
         ui.end_row();
-        ui.label("Sampler");
-        words(ui, "sampler", SAMPLERS, &mut settings.sampler);
+        let name = ui.label("Sampler").id;
+        words(ui, name, SAMPLERS, &mut settings.sampler);
         ui.end_row();
-        ui.label("Light samples");
-        ui.add(DragValue::new(&mut settings.light_samples).range(1..=1024).speed(0.1));
+        let name = ui.label("Light samples").id;
+        let value = DragValue::new(&mut settings.light_samples).range(1..=1024);
+        ui.add(value.speed(0.1)).labelled_by(name);
         ui.end_row();
-        ui.label("Bounces");
-        optional(ui, "limit", &mut settings.max_bounces, 5, 0..=1000);
+        let name = ui.label("Bounces").id;
+        optional(ui, name, "limit", &mut settings.max_bounces, 5);
         ui.end_row();
-        ui.label("Only bounce");
-        optional(ui, "one", &mut settings.only_bounce, 1, 0..=1000);
+        let name = ui.label("Only bounce").id;
+        optional(ui, name, "one", &mut settings.only_bounce, 1);
         ui.end_row();
-        ui.label("Roulette");
-        ui.checkbox(&mut settings.roulette, "");
+        let name = ui.label("Roulette").id;
+        ui.checkbox(&mut settings.roulette, "").labelled_by(name);
         ui.end_row();
-        ui.label("Seed");
-        ui.add(DragValue::new(&mut settings.seed));
+        let name = ui.label("Seed").id;
+        ui.add(DragValue::new(&mut settings.seed)).labelled_by(name);
         ui.end_row();
     });
     if let (Some(only), Some(most)) = (settings.only_bounce, settings.max_bounces) {
@@ -126,33 +128,35 @@ fn sampling(ui: &mut Ui, settings: &mut RenderSettings) {
 
 fn stopping(ui: &mut Ui, settings: &mut RenderSettings) {
     rows(ui, "stopping", |ui| {
-        ui.label("Samples");
+        let name = ui.label("Samples").id;
         let mut spp = settings.spp;
-        ui.add(DragValue::new(&mut spp).range(1..=1_u32 << 30).speed(1.0)).on_hover_text("[ ]");
+        let value = DragValue::new(&mut spp).range(1..=1_u32 << 30).speed(1.0);
+        ui.add(value).labelled_by(name).on_hover_text("[ ]");
         if spp != settings.spp {
             set_spp(settings, spp);
         }
         ui.end_row();
-        ui.label("Noise");
+        let name = ui.label("Noise").id;
         ui.horizontal(|ui| {
             let mut has_rule = settings.stopping.is_some();
             let hint = "pixels stop one by one, at this half-width of their mean's interval";
-            if ui.checkbox(&mut has_rule, "").on_hover_text(hint).changed() {
+            if ui.checkbox(&mut has_rule, "").labelled_by(name).on_hover_text(hint).changed() {
                 settings.stopping = has_rule.then(first_rule);
                 set_spp(settings, settings.spp);
             }
             if let Some(StoppingRule::Calibrated(rule)) = &mut settings.stopping {
                 let mut percent = rule.tolerance * 100.0;
-                let value = DragValue::new(&mut percent).range(0.05..=50.0).speed(0.05).suffix(" %");
-                if ui.add(value).changed() {
+                let value =
+                    DragValue::new(&mut percent).range(0.05..=50.0).speed(0.05).suffix(" %");
+                if ui.add(value).labelled_by(name).changed() {
                     rule.tolerance = percent / 100.0;
                 }
             }
         });
         ui.end_row();
         if let Some(StoppingRule::Calibrated(rule)) = &mut settings.stopping {
-            ui.label("Preset");
-            words(ui, "preset", crate::cli::stopping::PRESETS, &mut rule.preset);
+            let name = ui.label("Preset").id;
+            words(ui, name, crate::cli::stopping::PRESETS, &mut rule.preset);
             ui.end_row();
         }
     });
@@ -169,14 +173,16 @@ fn first_rule() -> StoppingRule {
 fn camera(ui: &mut Ui, app: &mut App, wish: &mut Wish) {
     let Some(info) = app.scene.clone() else { return };
     rows(ui, "camera", |ui| {
-        ui.label("From");
-        let name = |i: usize| format!("{i} {}", info.cameras[i].name);
+        let name = ui.label("From").id;
+        let text = |i: usize| format!("{i} {}", info.cameras[i].name);
         let before = wish.base;
-        ComboBox::from_id_salt("cameras").width(140.0).selected_text(name(wish.base)).show_ui(ui, |ui| {
+        let list = ComboBox::from_id_salt("cameras").width(140.0).selected_text(text(wish.base));
+        let list = list.show_ui(ui, |ui| {
             for i in 0..info.cameras.len() {
-                ui.selectable_value(&mut wish.base, i, name(i));
+                ui.selectable_value(&mut wish.base, i, text(i));
             }
         });
+        list.response.labelled_by(name);
         if wish.base != before {
             wish.camera = info.cameras[wish.base].clone();
             app.canvas.begin(&wish.camera);
@@ -185,29 +191,34 @@ fn camera(ui: &mut Ui, app: &mut App, wish: &mut Wish) {
         let camera = &mut wish.camera;
         match &mut camera.projection {
             Projection::Perspective { yfov } => {
-                ui.label("Field of view");
+                let name = ui.label("Field of view").id;
                 let mut degrees = yfov.to_degrees();
                 let value = DragValue::new(&mut degrees).range(1.0..=170.0).speed(0.2).suffix("°");
-                if ui.add(value).changed() {
+                if ui.add(value).labelled_by(name).changed() {
                     *yfov = degrees.to_radians();
                 }
             }
             Projection::Orthographic { ymag } => {
-                ui.label("Half height");
+                let name = ui.label("Half height").id;
                 let speed = *ymag * 0.01;
-                ui.add(DragValue::new(ymag).range(1e-6..=1e9).speed(speed).suffix(" m"));
+                let value = DragValue::new(ymag).range(1e-6..=1e9).speed(speed).suffix(" m");
+                ui.add(value).labelled_by(name);
             }
         }
         ui.end_row();
-        ui.label("Lens radius");
+        let name = ui.label("Lens radius").id;
         let speed = camera.aperture_radius.max(1e-4) * 0.02;
         let lens = DragValue::new(&mut camera.aperture_radius).range(0.0..=1e6).speed(speed);
-        ui.add(lens.max_decimals(5).suffix(" m")).on_hover_text("0 is a pinhole (K L)");
+        ui.add(lens.max_decimals(5).suffix(" m"))
+            .labelled_by(name)
+            .on_hover_text("0 is a pinhole (K L)");
         ui.end_row();
-        ui.label("Focus");
+        let name = ui.label("Focus").id;
         let speed = camera.focus_distance * 0.005;
         let focus = DragValue::new(&mut camera.focus_distance).range(1e-6..=1e9).speed(speed);
-        ui.add(focus.max_decimals(4).suffix(" m")).on_hover_text("double click picks it (; ')");
+        ui.add(focus.max_decimals(4).suffix(" m"))
+            .labelled_by(name)
+            .on_hover_text("double click picks it (; ')");
         ui.end_row();
     });
     ui.horizontal_wrapped(|ui| {
@@ -231,16 +242,18 @@ fn environment(ui: &mut Ui, app: &App, wish: &mut Wish) {
     }
     let e = &mut wish.environment;
     rows(ui, "environment", |ui| {
-        ui.label("Turn");
+        let name = ui.label("Turn").id;
         let mut degrees = e.environment_rotation.unwrap_or(0.0);
-        if ui.add(Slider::new(&mut degrees, -180.0..=180.0).suffix("°")).changed() {
+        let slider = Slider::new(&mut degrees, -180.0..=180.0).suffix("°");
+        if ui.add(slider).labelled_by(name).changed() {
             e.environment_rotation = Some(degrees);
         }
         ui.end_row();
-        ui.label("Intensity");
+        let name = ui.label("Intensity").id;
         let mut intensity = e.environment_intensity.unwrap_or(1.0);
         let slider = Slider::new(&mut intensity, 0.0..=16.0).logarithmic(true);
-        if ui.add(slider.clamping(egui::SliderClamping::Never)).changed() {
+        let slider = slider.clamping(egui::SliderClamping::Never);
+        if ui.add(slider).labelled_by(name).changed() {
             e.environment_intensity = Some(intensity.max(0.0));
         }
         ui.end_row();
@@ -271,33 +284,29 @@ fn rows(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
 /// One of a list of words, with its explanation.
 fn words<T: PartialEq + Copy>(
     ui: &mut Ui,
-    name: &str,
+    name: Id,
     words: &[(&'static str, T, &'static str)],
     value: &mut T,
 ) {
     let word = words.iter().find(|(_, v, _)| v == value).map_or("", |(word, _, _)| word);
-    ComboBox::from_id_salt(name).width(140.0).selected_text(word).show_ui(ui, |ui| {
+    let list = ComboBox::from_id_salt(name).width(140.0).selected_text(word);
+    let list = list.show_ui(ui, |ui| {
         for (word, v, help) in words {
             ui.selectable_value(value, *v, *word).on_hover_text(*help);
         }
     });
+    list.response.labelled_by(name);
 }
 
-/// A number or none.
-fn optional(
-    ui: &mut Ui,
-    label: &str,
-    value: &mut Option<u32>,
-    first: u32,
-    range: std::ops::RangeInclusive<u32>,
-) {
+/// A number of bounces or none; `name`: of the label before it.
+fn optional(ui: &mut Ui, name: Id, label: &str, value: &mut Option<u32>, first: u32) {
     ui.horizontal(|ui| {
         let mut is_set = value.is_some();
         if ui.checkbox(&mut is_set, label).changed() {
             *value = is_set.then_some(first);
         }
         if let Some(number) = value {
-            ui.add(DragValue::new(number).range(range).speed(0.05));
+            ui.add(DragValue::new(number).range(0..=1000).speed(0.05)).labelled_by(name);
         }
     });
 }

@@ -45,8 +45,7 @@ impl Preferences {
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Self::default()),
             read => read.map_err(|e| Error::io(path, e))?,
         };
-        let read: Self =
-            serde_json::from_slice(&bytes).map_err(|e| Error::io(path, e.into()))?;
+        let read: Self = serde_json::from_slice(&bytes).map_err(|e| Error::io(path, e.into()))?;
         let default = Self::default();
         let side = |s: f32, default: f32| if (200.0..=20_000.0).contains(&s) { s } else { default };
         let window = (side(read.window.0, default.window.0), side(read.window.1, default.window.1));

@@ -59,7 +59,10 @@ fn line(p: &Progress) -> String {
         parts.push(format!("{:.1} % converged", 100.0 * share));
     }
     if let Some(relmse) = p.relmse {
-        parts.push(format!("relMSE {relmse:.1e}, about {} % per pixel", with_prefix(100.0 * relmse.sqrt())));
+        parts.push(format!(
+            "relMSE {relmse:.1e}, about {} % per pixel",
+            with_prefix(100.0 * relmse.sqrt())
+        ));
     }
     parts.join("   ")
 }
@@ -70,7 +73,13 @@ mod tests {
 
     #[test]
     fn the_line_says_what_is_known() {
-        let mut p = Progress { spp: (4, 4), seconds: 2.0, samples: 8000, rays: 32_000, ..Default::default() };
+        let mut p = Progress {
+            spp: (4, 4),
+            seconds: 2.0,
+            samples: 8000,
+            rays: 32_000,
+            ..Default::default()
+        };
         assert_eq!(line(&p), "4 spp   2.0 s   4.00 k samples/s   16.0 k rays/s");
         p.spp = (4, 8);
         p.converged = Some(0.25);

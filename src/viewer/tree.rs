@@ -140,9 +140,7 @@ fn area(b: &Aabb) -> f32 {
 }
 
 fn child_bounds(tree: &Bvh, child: &BvhChild) -> Aabb {
-    let plane = |q: [u32; 3]| {
-        tree.grid_min + tree.grid_scale * Vec3::from(q.map(|p| p as f32))
-    };
+    let plane = |q: [u32; 3]| tree.grid_min + tree.grid_scale * Vec3::from(q.map(|p| p as f32));
     Aabb { min: plane(child.lower()), max: plane(child.upper()) }
 }
 

@@ -38,7 +38,11 @@ pub(super) fn waker(events: &EventLoop<News>) -> impl Fn() + Send + Sync + 'stat
 }
 
 /// Runs until the window is closed, or `should_end`.
-pub(super) fn run(events: EventLoop<News>, app: &mut App, should_end: impl Fn() -> bool) -> Result<()> {
+pub(super) fn run(
+    events: EventLoop<News>,
+    app: &mut App,
+    should_end: impl Fn() -> bool,
+) -> Result<()> {
     let mut shell = Shell { app, open: None, failure: None, should_end, was_titled: String::new() };
     events.run_app(&mut shell).map_err(|e| Error::NoDevice(format!("the window: {e}")))?;
     shell.failure.map_or(Ok(()), Err)
@@ -79,7 +83,8 @@ impl Open {
             surface: egui_wgpu::SurfaceConfig::LOW_LATENCY,
             ..Default::default()
         };
-        let options = egui_wgpu::RendererOptions::default();
+        // Bytes of the picture reach the display as they are.
+        let options = egui_wgpu::RendererOptions { dithering: false, ..Default::default() };
         let mut painter =
             pollster::block_on(Painter::new(context.clone(), configuration, false, options));
         pollster::block_on(painter.set_window(VIEWPORT, Some(window.clone())))

@@ -1,10 +1,11 @@
 //! Loading, beside the engine's own work: the scene before stays until the next one is ready.
 
-use super::{Engine, Options, Stage};
+use super::stage::{Stage, in_motion};
+use super::{COARSEST, Engine, Options};
 use crate::cli::flags::{CameraFlags, EnvironmentFlags, JobFlags};
 use crate::cli::job::Job;
 use crate::viewer::link::Link;
-use crate::viewer::wish::SceneInfo;
+use crate::viewer::wish::{Phase, SceneInfo};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -128,27 +129,11 @@ impl Engine {
         let Loaded { job, prepared, environment, own_camera_count } = loaded;
         self.source.generation += 1;
         let flags = self.source.flags.clone();
-        let scene = &job.scene;
-        let is_told = |n: &&steradian::scene::Notice| n.treatment != Treatment::Honoured;
-        let info = SceneInfo {
-            generation: self.source.generation,
-            is_again: loader.is_again,
-            path: loader.path.clone(),
-            name: scene.name.clone(),
-            cameras: scene.cameras.clone(),
-            bounds: scene.bounds().unwrap_or_default(),
-            settings: job.settings.clone(),
-            environment: flags.environment.clone(),
-            has_environment: scene.environment.is_some(),
-            has_fixed_size: flags.picture.resolution.is_some(),
-            exposure_ev: flags.picture.exposure,
-            tone_curve: flags.picture.tone_map,
-            own_camera_count,
-            has_lens_flags: flags.camera.aperture.is_some() || flags.camera.focus.is_some(),
-            primitive_count: scene.primitive_count(),
-            seconds: (job.load_seconds, prepared.build_seconds()),
-            notices: scene.notices.iter().filter(is_told).map(|n| n.message.clone()).collect(),
-        };
+        let seconds = prepared.build_seconds();
+        let generation = self.source.generation;
+        let mut info = scene_info(&loader.path, &job, &flags, generation, own_camera_count);
+        info.is_again = loader.is_again;
+        info.seconds.1 = seconds;
         let seconds = info.seconds.0 + info.seconds.1;
         self.say(format!("{}: ready in {}", info.name, crate::cli::talk::duration(seconds)), false);
         self.renderer = None;
@@ -163,7 +148,40 @@ impl Engine {
         self.link.tell(|report| {
             report.scene = Some(Arc::new(info));
             report.tree = None;
+            report.phase = Phase::Rendering;
         });
+    }
+}
+
+/// What the window needs to know of a scene that is not prepared yet. `flags`: those that made
+/// `job`; the file has the first `own_camera_count` of its cameras.
+pub(in crate::viewer) fn scene_info(
+    path: &Path,
+    job: &Job,
+    flags: &JobFlags,
+    generation: u64,
+    own_camera_count: usize,
+) -> SceneInfo {
+    let scene = &job.scene;
+    let is_told = |n: &&steradian::scene::Notice| n.treatment != Treatment::Honoured;
+    SceneInfo {
+        generation,
+        is_again: false,
+        path: path.to_owned(),
+        name: scene.name.clone(),
+        cameras: scene.cameras.clone(),
+        own_camera_count,
+        bounds: scene.bounds().unwrap_or_default(),
+        settings: job.settings.clone(),
+        environment: flags.environment.clone(),
+        has_environment: scene.environment.is_some(),
+        has_fixed_size: flags.picture.resolution.is_some(),
+        exposure_ev: flags.picture.exposure,
+        tone_curve: flags.picture.tone_map,
+        has_lens_flags: flags.camera.aperture.is_some() || flags.camera.focus.is_some(),
+        primitive_count: scene.primitive_count(),
+        seconds: (job.load_seconds, 0.0),
+        notices: scene.notices.iter().filter(is_told).map(|n| n.message.clone()).collect(),
     }
 }
 
@@ -185,7 +203,7 @@ fn load(
     let prepared = Arc::new(PreparedScene::new(device, &job.scene, job.settings.accel)?);
     tell("compiling shaders");
     // Kernels stay with the device: the first picture finds this one ready.
-    let small = super::in_motion(&job.settings, super::COARSEST);
+    let small = in_motion(&job.settings, COARSEST);
     Renderer::of_prepared(prepared.clone(), &job.scene, &small, tuning)?;
     let prepared = Arc::into_inner(prepared)
         .ok_or_else(|| Error::DeviceLost("a render outlived its test".into()))?;

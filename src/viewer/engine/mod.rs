@@ -7,24 +7,27 @@ mod load;
 mod look;
 mod recover;
 mod save;
+mod stage;
+#[cfg(test)]
+mod tests;
 mod watch;
 
 use super::link::{Link, News};
-use super::wish::{Frame, Phase, Progress, Request, Wish};
-use crate::cli::flags::{EnvironmentFlags, JobFlags};
-use crate::cli::job::{Job, set_environment};
+use super::wish::{Frame, Phase, Progress, Report, Request, Wish};
+use crate::cli::flags::JobFlags;
 use develop::Developed;
+#[cfg(test)]
+pub(super) use load::scene_info;
 use load::{Loader, Source};
 use recover::Losses;
+use stage::{Stage, in_motion};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use steradian::gpu::{Device, DeviceKind};
 use steradian::passes::Tuning;
-use steradian::renderer::{PreparedScene, Preview};
-use steradian::scene::{Camera, Environment};
-use steradian::settings::Crop;
-use steradian::{Error, RenderSettings, Renderer, Result};
+use steradian::renderer::Preview;
+use steradian::{Error, Renderer, Result};
 use watch::Watch;
 
 /// After the camera's last motion, the time until the whole resolution is rendered again.
@@ -54,19 +57,6 @@ pub(super) struct Options {
     pub(super) scene: Option<PathBuf>,
 }
 
-/// A scene on the device.
-struct Stage {
-    job: Job,
-    prepared: Arc<PreparedScene>,
-    /// The scene's own, without the flags.
-    environment: Option<Environment>,
-    /// The flags that it has now.
-    applied: EnvironmentFlags,
-    /// Cameras of the file.
-    camera_count: usize,
-    generation: u64,
-}
-
 /// The thread's state.
 pub(super) struct Engine {
     link: Link,
@@ -92,7 +82,10 @@ pub(super) struct Engine {
 
 impl Engine {
     /// Starts the thread.
-    pub(super) fn start(link: Link, options: Options) -> std::io::Result<std::thread::JoinHandle<()>> {
+    pub(super) fn start(
+        link: Link,
+        options: Options,
+    ) -> std::io::Result<std::thread::JoinHandle<()>> {
         let builder = std::thread::Builder::new().name("engine".into());
         builder.spawn(move || Self::new(link, options).run())
     }
@@ -302,9 +295,7 @@ impl Engine {
         let is_done = renderer.is_done();
         let is_paused = self.wish.as_ref().is_some_and(|(_, w)| w.is_paused);
         self.developed.keep(preview);
-        self.publish(wish, 1);
-        self.developed.paid(begin.elapsed());
-        self.link.tell(|report| {
+        self.publish(wish, 1, |report| {
             report.progress = progress;
             report.busy = None;
             report.phase = match (is_done, is_paused) {
@@ -313,6 +304,11 @@ impl Engine {
                 _ => Phase::Rendering,
             };
         });
+        self.developed.paid(begin.elapsed());
+        if is_done {
+            let took = crate::cli::talk::duration(progress.seconds);
+            crate::cli::talk::line(&format!("done: {} spp in {took}", progress.spp.1));
+        }
         Ok(())
     }
 
@@ -320,7 +316,7 @@ impl Engine {
     fn show_again(&mut self) -> Result<()> {
         if let Some((serial, _)) = self.wish {
             let scale = self.developed.scale();
-            self.publish(serial, scale);
+            self.publish(serial, scale, |_| ());
         }
         Ok(())
     }
@@ -344,8 +340,7 @@ impl Engine {
         let preview = renderer.preview()?;
         let progress = Progress { spp: (0, 0), converged: None, ..progress(&renderer, &preview) };
         self.developed.keep_backdrop(preview, scale);
-        self.publish(serial, scale);
-        self.link.tell(|report| {
+        self.publish(serial, scale, |report| {
             report.busy = None;
             report.progress = progress;
             report.phase = if is_paused { Phase::Paused } else { Phase::Rendering };
@@ -353,8 +348,8 @@ impl Engine {
         Ok(())
     }
 
-    /// Hands the newest picture to the window.
-    fn publish(&mut self, wish_serial: u64, scale: u32) {
+    /// Hands the newest picture to the window, and with it what else is new.
+    fn publish(&mut self, wish_serial: u64, scale: u32, change: impl FnOnce(&mut Report)) {
         let Some((_, wish)) = &self.wish else { return };
         let Some((size, rgba)) = self.developed.develop(&wish.display) else { return };
         let camera = wish.camera.clone();
@@ -367,6 +362,7 @@ impl Engine {
             let frame =
                 Frame { size, rgba, serial, camera, wish, scale, window, resolution, is_whole };
             report.frame = Some(frame);
+            change(report);
         });
     }
 
@@ -404,65 +400,5 @@ fn progress(renderer: &Renderer, preview: &Preview) -> Progress {
         converged: renderer.converged(),
         relmse: renderer.film().estimated_error().map(|e| e.relmse),
         faults: s.faults.iter().sum(),
-    }
-}
-
-impl Stage {
-    /// Puts camera, settings and environment of a wish in place.
-    fn apply(&mut self, wish: &Wish) -> Result<()> {
-        let cameras = &mut self.job.scene.cameras;
-        cameras.truncate(self.camera_count);
-        let is_of_file = cameras.get(wish.base) == Some(&wish.camera);
-        let camera = if is_of_file { wish.base } else { cameras.len() };
-        if !is_of_file {
-            cameras.push(Camera { name: "view".into(), ..wish.camera.clone() });
-        }
-        self.job.settings = RenderSettings { camera, ..wish.settings.clone() };
-        self.job.requested_spp = Some(wish.settings.spp);
-        if self.applied != wish.environment {
-            self.job.scene.environment = self.environment.clone();
-            set_environment(&mut self.job.scene, &wish.environment)?;
-            // A turn is in the uniforms, not in the tables.
-            if self.applied.without_rotation() != wish.environment.without_rotation() {
-                self.prepared = Arc::new(self.prepared.relit(&self.job.scene)?);
-            }
-            self.applied = wish.environment.clone();
-        }
-        self.job.settings.validate(&self.job.scene)
-    }
-
-    fn renderer(&self, settings: &RenderSettings, tuning: &Tuning) -> Result<Renderer> {
-        Renderer::of_prepared(self.prepared.clone(), &self.job.scene, settings, tuning)
-    }
-}
-
-/// One sample of each pixel of a picture whose sides are `scale` times smaller.
-fn in_motion(settings: &RenderSettings, scale: u32) -> RenderSettings {
-    let less = |n: u32| n.div_ceil(scale);
-    let resolution = (less(settings.resolution.0), less(settings.resolution.1));
-    let crop = settings.crop.map(|c| {
-        let (x, y) = (c.x / scale, c.y / scale);
-        let (width, height) = (less(c.x + c.width) - x, less(c.y + c.height) - y);
-        Crop { x, y, width, height }
-    });
-    RenderSettings { resolution, crop, spp: 1, time: None, ..settings.clone() }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pictures_in_motion_are_within_the_whole() {
-        let crop = Some(Crop { x: 7, y: 5, width: 90, height: 11 });
-        for scale in 1..=COARSEST {
-            for crop in [None, crop] {
-                let whole = RenderSettings { resolution: (97, 16), crop, ..Default::default() };
-                let small = in_motion(&whole, scale);
-                let (c, (width, height)) = (small.window(), small.resolution);
-                assert!(c.width > 0 && c.height > 0, "{scale}");
-                assert!(c.x + c.width <= width && c.y + c.height <= height, "{scale}: {c:?}");
-            }
-        }
     }
 }

@@ -29,20 +29,20 @@ impl Engine {
     pub(super) fn recover(&mut self, error: &Error) {
         self.renderer = None;
         if !matches!(error, Error::DeviceLost(_)) {
-            self.say(error.to_string(), true);
             self.fail();
+            self.say(error.to_string(), true);
             return;
         }
         if !self.losses.may_try_again(Instant::now()) {
-            self.say(format!("{error}; once more: R tries again"), true);
             self.fail();
+            self.say(format!("{error}; once more: R tries again"), true);
             return;
         }
         match self.rebuild() {
             Ok(()) => self.say(format!("{error}; opened again, samples begin anew"), true),
             Err(e) => {
-                self.say(format!("{error}; opening it again: {e}"), true);
                 self.fail();
+                self.say(format!("{error}; opening it again: {e}"), true);
             }
         }
     }
@@ -57,6 +57,7 @@ impl Engine {
             stage.prepared = Arc::new(PreparedScene::new(device.clone(), scene, accel)?);
         }
         self.resume_at = Instant::now();
+        self.link.tell(|report| report.phase = Phase::Rendering);
         Ok(())
     }
 

@@ -3,7 +3,8 @@
 //! Asked twice a second by size and time, which works on every file system; a change counts once it
 //! has held still.
 
-use super::{Engine, in_motion};
+use super::stage::in_motion;
+use super::{COARSEST, Engine};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -121,7 +122,7 @@ impl Engine {
         }
         let tuning = Tuning { library: read, ..self.tuning.clone() };
         if let Some(stage) = &self.stage {
-            let small = in_motion(&stage.job.settings, super::COARSEST);
+            let small = in_motion(&stage.job.settings, COARSEST);
             Renderer::of_prepared(stage.prepared.clone(), &stage.job.scene, &small, &tuning)?;
         }
         self.tuning = tuning;
@@ -155,7 +156,8 @@ mod tests {
     fn the_files_of_a_scene_are_those_it_names() {
         let folder = tempfile::tempdir().unwrap();
         let scene = folder.path().join("s.gltf");
-        let json = r#"{"buffers":[{"uri":"a%20b.bin"},{"uri":"data:x,"}],"images":[{"uri":"c.png"}]}"#;
+        let json =
+            r#"{"buffers":[{"uri":"a%20b.bin"},{"uri":"data:x,"}],"images":[{"uri":"c.png"}]}"#;
         std::fs::write(&scene, json).unwrap();
         let names = ["s.gltf", "a b.bin", "c.png"].map(|n| folder.path().join(n));
         assert_eq!(files_of(&scene), names);
