@@ -14,7 +14,7 @@ STUDY ?=
 BENCH_SCENE ?= scenes/cornell-spheres/cornell-spheres.gltf
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test numerics gallery scenes bench lint fmt-check clean
+.PHONY: help setup demo test test-viewer numerics gallery scenes bench lint fmt-check clean
 
 help: ## List the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
@@ -27,8 +27,12 @@ demo: setup ## Render a bundled scene to out/demo.png
 	$(CARGO) run --release -- render scenes/statue/statue.gltf \
 		-o $(OUT)/demo.png --resolution $(DEMO_RESOLUTION) --spp $(DEMO_SPP)
 
-test: setup ## Run all tests
+test: setup ## Run all tests, the window's among them
 	$(CARGO) test
+	tools/test_viewer.sh
+
+test-viewer: setup ## Open the real window on a display of its own, drive it, look at its pixels
+	tools/test_viewer.sh
 
 numerics: setup ## Run the hard cases, long ones too, and write docs/numerics.md
 	@mkdir -p $(OUT)
