@@ -30,6 +30,9 @@ pub(super) struct App {
     pub(super) scene: Option<Arc<SceneInfo>>,
     pub(super) wish: Option<Wish>,
     sent: Option<Wish>,
+    sent_serial: u64,
+    /// Number of the last wish that was given up.
+    refused: u64,
     pub(super) canvas: Canvas,
     pub(super) tree: TreeView,
     pub(super) preferences: Preferences,
@@ -58,6 +61,8 @@ impl App {
             scene: None,
             wish: None,
             sent: None,
+            sent_serial: 0,
+            refused: 0,
             canvas: Canvas::default(),
             tree: TreeView::default(),
             preferences,
@@ -83,6 +88,7 @@ impl App {
     pub(super) fn ui(&mut self, ui: &mut Ui) {
         let report = self.link.report();
         self.adopt(&report);
+        self.take_back(&report);
         self.take_message(&report);
         self.take_files(ui);
         self.take_keys(ui);
@@ -152,6 +158,18 @@ impl App {
             environment: info.environment.clone(),
             display,
             is_paused: false,
+        }
+    }
+
+    /// Gives up a wish that the engine cannot follow.
+    fn take_back(&mut self, report: &Report) {
+        let Some((serial, good)) = &report.refused else { return };
+        if *serial != self.sent_serial || self.refused == *serial {
+            return;
+        }
+        self.refused = *serial;
+        if let (Some(good), Some(wish)) = (good, &mut self.wish) {
+            *wish = Wish { display: wish.display, ..good.as_ref().clone() };
         }
     }
 
@@ -384,6 +402,7 @@ impl App {
             self.sent.clone_from(&self.wish);
             if let Some(wish) = &self.wish {
                 let serial = self.link.send(wish.clone());
+                self.sent_serial = serial;
                 self.latency.asked(serial);
             }
         }

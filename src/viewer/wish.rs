@@ -179,6 +179,8 @@ pub(super) struct Report {
     pub(super) device: String,
     /// Whether it is software on the processor.
     pub(super) is_software: bool,
+    /// The number of a wish that cannot be, and the one that is followed instead.
+    pub(super) refused: Option<(u64, Option<Arc<Wish>>)>,
     /// The tree of the scene, once it was asked for.
     pub(super) tree: Option<Arc<Bvh>>,
     /// The newest answer to [`Request::Pick`].

@@ -22,8 +22,9 @@ impl Default for Developed {
 impl Developed {
     /// A picture in motion.
     pub(super) fn keep_backdrop(&mut self, preview: Preview, scale: u32) {
-        self.backdrop = Some((preview.picture, scale));
-        self.newest = None;
+        // Where there was no time for a sample the picture before stays, though it is of the past.
+        let before = self.newest.take().map(|p| p.picture).or(self.backdrop.take().map(|b| b.0));
+        self.backdrop = Some((filled(&preview, before.as_ref()), scale));
         self.next = Instant::now();
     }
 

@@ -34,6 +34,8 @@ use watch::Watch;
 const REST: Duration = Duration::from_millis(200);
 /// Seconds that a picture in motion should take.
 const MOTION_SECONDS: f64 = 0.06;
+/// Then what there is of it is shown.
+const MOTION_LIMIT: Duration = Duration::from_millis(120);
 /// Largest side of the squares of a picture in motion, pixels.
 const COARSEST: u32 = 16;
 /// Seconds of one submission: an answer waits for at most one. Longer ones cost less.
@@ -68,7 +70,11 @@ pub(super) struct Engine {
     watch: Watch,
     stage: Option<Stage>,
     wish: Option<(u64, Arc<Wish>)>,
+    /// Number of the newest wish that was looked at.
+    seen: u64,
     renderer: Option<Renderer>,
+    /// It has all its samples, or its time is over.
+    is_over: bool,
     /// When the whole resolution may begin.
     resume_at: Instant,
     /// Steps to take although paused.
@@ -102,7 +108,9 @@ impl Engine {
             loader: None,
             stage: None,
             wish: None,
+            seen: 0,
             renderer: None,
+            is_over: false,
             resume_at: Instant::now(),
             steps: 0,
             developed: Developed::default(),
@@ -167,7 +175,7 @@ impl Engine {
             (Some(_), None) if self.wish.is_some() => {
                 self.resume_at.saturating_duration_since(Instant::now()).min(IDLE)
             }
-            (Some(_), Some(renderer)) if !renderer.is_done() => Duration::ZERO,
+            (Some(_), Some(_)) if !self.is_over => Duration::ZERO,
             _ => IDLE,
         }
     }
@@ -211,12 +219,13 @@ impl Engine {
             // It is about the scene before.
             return Ok(());
         }
-        let last = self.wish.replace((serial, wish.clone()));
-        let last = last.as_ref().filter(|(_, w)| w.generation == stage.generation);
-        if last.is_some_and(|(n, _)| *n == serial) {
+        if self.seen == serial {
             return Ok(());
         }
-        let last = last.map(|(_, w)| w.as_ref());
+        self.seen = serial;
+        let before = self.wish.replace((serial, wish.clone()));
+        let before = before.filter(|(_, w)| w.generation == stage.generation);
+        let last = before.as_ref().map(|(_, w)| w.as_ref());
         let is_same = last.is_some_and(|last| {
             (&last.camera, last.base, &last.settings, &last.environment)
                 == (&wish.camera, wish.base, &wish.settings, &wish.environment)
@@ -236,15 +245,19 @@ impl Engine {
                 && last.environment == wish.environment
                 && last.settings.resolution == wish.settings.resolution
         });
-        self.renderer = None;
         match stage.apply(wish) {
             Ok(()) => {}
             Err(e @ Error::DeviceLost(_)) => return Err(e),
             Err(e) => {
+                // What was before goes on, and the window is told to wish for that again.
+                let good = before.as_ref().map(|(_, wish)| wish.clone());
+                self.link.tell(|report| report.refused = Some((serial, good)));
                 self.say(e.to_string(), true);
+                self.wish = before.map(|(_, wish)| (serial, wish));
                 return Ok(());
             }
         }
+        self.renderer = None;
         self.resume_at = if is_restart { Instant::now() } else { Instant::now() + REST };
         self.show_motion()
     }
@@ -262,7 +275,10 @@ impl Engine {
             }
             let made = stage.renderer(&stage.job.settings, &self.tuning);
             match made {
-                Ok(renderer) => self.renderer = Some(renderer),
+                Ok(renderer) => {
+                    self.renderer = Some(renderer);
+                    self.is_over = false;
+                }
                 Err(e @ (Error::DeviceLost(_) | Error::Shader { .. })) => return Err(e),
                 Err(e) => {
                     self.say(e.to_string(), true);
@@ -272,12 +288,12 @@ impl Engine {
             }
         }
         let Some(renderer) = &mut self.renderer else { return Ok(()) };
-        if renderer.is_done() {
+        if self.is_over {
             return Ok(());
         }
-        renderer.step()?;
+        self.is_over = !renderer.step()? || renderer.is_done();
         self.steps = self.steps.saturating_sub(1);
-        if renderer.is_done() || wish.is_paused || self.developed.is_due() {
+        if self.is_over || wish.is_paused || self.developed.is_due() {
             self.show(serial)?;
         }
         Ok(())
@@ -292,7 +308,7 @@ impl Engine {
         if progress.seconds > 0.05 {
             self.samples_per_second = progress.samples as f64 / progress.seconds;
         }
-        let is_done = renderer.is_done();
+        let is_done = self.is_over;
         let is_paused = self.wish.as_ref().is_some_and(|(_, w)| w.is_paused);
         self.developed.keep(preview);
         self.publish(wish, 1, |report| {
@@ -331,14 +347,14 @@ impl Engine {
         self.link.busy(Some("compiling shaders"));
         let settings = in_motion(&stage.job.settings, scale);
         let mut renderer = stage.renderer(&settings, &self.tuning)?;
-        while renderer.step()? {}
-        let s = renderer.statistics();
-        if s.render_seconds > 0.005 {
-            self.samples_per_second = s.samples as f64 / s.render_seconds;
-        }
+        let deadline = Instant::now() + MOTION_LIMIT;
+        while renderer.step()? && Instant::now() < deadline {}
         let (serial, is_paused) = (*serial, wish.is_paused);
         let preview = renderer.preview()?;
         let progress = Progress { spp: (0, 0), converged: None, ..progress(&renderer, &preview) };
+        if progress.seconds > 0.005 {
+            self.samples_per_second = progress.samples as f64 / progress.seconds;
+        }
         self.developed.keep_backdrop(preview, scale);
         self.publish(serial, scale, |report| {
             report.busy = None;

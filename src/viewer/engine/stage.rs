@@ -24,7 +24,7 @@ pub(super) struct Stage {
 }
 
 impl Stage {
-    /// Puts camera, settings and environment of a wish in place.
+    /// Puts camera, settings and environment of a wish in place; if that fails, all stays as it was.
     pub(super) fn apply(&mut self, wish: &Wish) -> Result<()> {
         let cameras = &mut self.job.scene.cameras;
         cameras.truncate(self.camera_count);
@@ -33,20 +33,32 @@ impl Stage {
         if !is_of_file {
             cameras.push(Camera { name: "view".into(), ..wish.camera.clone() });
         }
-        self.job.settings = RenderSettings { camera, ..wish.settings.clone() };
-        self.job.requested_spp = Some(wish.settings.spp);
+        let settings = RenderSettings { camera, ..wish.settings.clone() };
+        settings.validate(&self.job.scene)?;
         if self.applied != wish.environment {
+            let before = self.job.scene.environment.take();
             self.job.scene.environment = self.environment.clone();
-            set_environment(&mut self.job.scene, &wish.environment)?;
-            // A turn is in the uniforms, not in the tables.
-            if self.applied.without_rotation() != wish.environment.without_rotation() {
-                self.prepared = Arc::new(self.prepared.relit(&self.job.scene)?);
+            if let Err(error) = self.relight(&wish.environment) {
+                self.job.scene.environment = before;
+                return Err(error);
             }
-            self.applied = wish.environment.clone();
         }
-        self.job.settings.validate(&self.job.scene)
+        self.job.requested_spp = Some(settings.spp);
+        self.job.settings = settings;
+        Ok(())
     }
 
+    fn relight(&mut self, flags: &EnvironmentFlags) -> Result<()> {
+        set_environment(&mut self.job.scene, flags)?;
+        // A turn is in the uniforms, not in the tables.
+        if self.applied.without_rotation() != flags.without_rotation() {
+            self.prepared = Arc::new(self.prepared.relit(&self.job.scene)?);
+        }
+        self.applied = flags.clone();
+        Ok(())
+    }
+
+    /// A render of the scene as it is.
     pub(super) fn renderer(&self, settings: &RenderSettings, tuning: &Tuning) -> Result<Renderer> {
         Renderer::of_prepared(self.prepared.clone(), &self.job.scene, settings, tuning)
     }

@@ -215,6 +215,47 @@ fn a_bad_file_leaves_the_scene() {
 }
 
 #[test]
+fn an_environment_that_cannot_be_read_is_given_up() {
+    let bench = Bench::start(&bundled("environment"), SMALL);
+    let mut wish = bench.begin(1);
+    let before = bench.wait_until_done();
+    wish.environment.environment = Some("missing.hdr".into());
+    bench.send(&wish);
+    let report = bench.wait_for_message("missing.hdr");
+    let (serial, good) = report.refused.unwrap();
+    assert_eq!((serial, &good.unwrap().environment), (bench.sent.get(), &Default::default()));
+    // What follows is of the old light.
+    wish.environment = Default::default();
+    wish.settings.seed = 1;
+    bench.send(&wish);
+    let other = bench.wait_until_done();
+    let expected = rendered(&bundled("environment"), SMALL, |job| job.settings.seed = 1);
+    assert!(other.rgba.as_ref() == &expected && other.rgba != before.rgba);
+
+    // A turn and an intensity are followed as `render` has them.
+    wish.environment.environment_rotation = Some(70.0);
+    bench.send(&wish);
+    bench.wait_until_done();
+    wish.environment.environment_intensity = Some(0.5);
+    bench.send(&wish);
+    let turned = bench.wait_until_done();
+    let words =
+        [SMALL, &["--environment-rotation", "70", "--environment-intensity", "0.5"]].concat();
+    let expected = rendered(&bundled("environment"), &words, |job| job.settings.seed = 1);
+    assert!(turned.rgba.as_ref() == &expected);
+}
+
+/// A limit in time ends a render as a limit of samples does.
+#[test]
+fn time_ends_a_render() {
+    let bench = Bench::start(&bundled("cornell-box"), &["--resolution", "32x24", "--time", "0.2s"]);
+    bench.begin(1);
+    let frame = bench.wait_until_done();
+    std::thread::sleep(Duration::from_millis(300));
+    assert_eq!(bench.link.report().frame.map(|f| f.serial), Some(frame.serial));
+}
+
+#[test]
 fn a_changed_file_is_read_again() {
     let folder = tempfile::tempdir().unwrap();
     let original = bundled("cornell-box");
