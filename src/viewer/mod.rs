@@ -10,6 +10,7 @@
 //! follows the newest [`wish::Wish`] and leaves the newest [`wish::Report`]. Neither ever waits for
 //! the other. Everything that is shown, `steradian render` can make: `command` says how.
 
+mod act;
 mod app;
 mod canvas;
 mod command;
@@ -18,6 +19,7 @@ mod help;
 mod keys;
 mod latency;
 mod link;
+mod mouse;
 mod navigate;
 mod panel;
 mod preferences;
@@ -49,6 +51,11 @@ const NOISE: f32 = 0.02;
 
 /// Opens the window and stays until it is closed.
 pub(crate) fn run(flags: &ViewFlags) -> Result<ExitCode> {
+    let picture = &flags.job.picture;
+    if flags.job.sampling.reference || picture.pixel.is_some() || picture.bits.is_some() {
+        let message = "--reference, --pixel and --bits are for `render`, not for a window";
+        return Err(Error::Settings(message.into()));
+    }
     if let Some(path) = &flags.output {
         OutputFormat::from_path(path)?;
         check_place(path)?;

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use steradian::{Error, Result};
 use winit::application::ApplicationHandler;
 use winit::dpi::LogicalSize;
+use winit::error::EventLoopError;
 use winit::event::{ElementState, StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Window, WindowId};
@@ -21,10 +22,15 @@ pub(super) struct News;
 
 /// Opens the event loop; without a display this fails.
 pub(super) fn event_loop() -> Result<EventLoop<News>> {
-    EventLoop::with_user_event().build().map_err(|e| {
-        Error::NoDevice(format!(
-            "no window can be opened: {e}; `steradian render` needs no display"
-        ))
+    EventLoop::with_user_event().build().map_err(|error| {
+        let reason = match error {
+            // Its own text is about its source code.
+            EventLoopError::Os(_) => {
+                "there is no display, or it does not answer (WAYLAND_DISPLAY, DISPLAY)".to_owned()
+            }
+            other => other.to_string(),
+        };
+        Error::NoDevice(format!("no window can be opened: {reason}; `steradian render` needs none"))
     })
 }
 

@@ -8,6 +8,8 @@ mod reference;
 mod scene;
 mod signals;
 mod stopping;
+#[cfg(feature = "viewer")]
+mod view;
 
 use serde_json::Value;
 use std::ffi::OsStr;

@@ -1,0 +1,114 @@
+//! Pictures for the window: of the render as it stands, or coarse ones while things move.
+
+use super::stage::in_motion;
+use super::{COARSEST, Engine};
+use crate::viewer::wish::{Frame, Phase, Progress, Report};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use steradian::renderer::Preview;
+use steradian::{Renderer, Result};
+
+/// Seconds that a picture in motion should take.
+const MOTION_SECONDS: f64 = 0.06;
+/// Then what there is of it is shown.
+const MOTION_LIMIT: Duration = Duration::from_millis(120);
+
+impl Engine {
+    /// Shows the render as it stands.
+    pub(super) fn show(&mut self, wish: u64) -> Result<()> {
+        let begin = Instant::now();
+        let Some(renderer) = &self.renderer else { return Ok(()) };
+        let preview = renderer.preview()?;
+        let progress = progress(renderer, &preview);
+        if progress.seconds > 0.05 {
+            self.samples_per_second = progress.samples as f64 / progress.seconds;
+        }
+        let is_done = self.is_over;
+        let is_paused = self.wish.as_ref().is_some_and(|(_, w)| w.is_paused);
+        self.developed.keep(preview);
+        self.publish(wish, 1, |report| {
+            report.progress = progress;
+            report.busy = None;
+            report.phase = match (is_done, is_paused) {
+                (true, _) => Phase::Done,
+                (false, true) => Phase::Paused,
+                _ => Phase::Rendering,
+            };
+        });
+        self.developed.paid(begin.elapsed());
+        if is_done {
+            let took = crate::cli::talk::duration(progress.seconds);
+            crate::cli::talk::line(&format!("done: {} spp in {took}", progress.spp.1));
+        }
+        Ok(())
+    }
+
+    /// The same samples in another exposure.
+    pub(super) fn show_again(&mut self) -> Result<()> {
+        if let Some((serial, _)) = self.wish {
+            let scale = self.developed.scale();
+            self.publish(serial, scale, |_| ());
+        }
+        Ok(())
+    }
+
+    /// One sample of every pixel of a smaller picture.
+    pub(super) fn show_motion(&mut self) -> Result<()> {
+        let (Some(stage), Some((serial, wish))) = (&self.stage, &self.wish) else { return Ok(()) };
+        let window = wish.settings.window();
+        let wanted = f64::from(window.width) * f64::from(window.height)
+            / (self.samples_per_second * MOTION_SECONDS).max(1.0);
+        let scale = (wanted.sqrt().ceil() as u32).clamp(1, COARSEST);
+        self.link.busy(Some("compiling shaders"));
+        let settings = in_motion(&stage.job.settings, scale);
+        let mut renderer = stage.renderer(&settings, &self.tuning)?;
+        let deadline = Instant::now() + MOTION_LIMIT;
+        while renderer.step()? && Instant::now() < deadline {}
+        let (serial, is_paused) = (*serial, wish.is_paused);
+        let preview = renderer.preview()?;
+        let progress = Progress { spp: (0, 0), converged: None, ..progress(&renderer, &preview) };
+        if progress.seconds > 0.005 {
+            self.samples_per_second = progress.samples as f64 / progress.seconds;
+        }
+        self.developed.keep_backdrop(preview, scale);
+        self.publish(serial, scale, |report| {
+            report.busy = None;
+            report.progress = progress;
+            report.phase = if is_paused { Phase::Paused } else { Phase::Rendering };
+        });
+        Ok(())
+    }
+
+    /// Hands the newest picture to the window, and with it what else is new.
+    fn publish(&mut self, wish_serial: u64, scale: u32, change: impl FnOnce(&mut Report)) {
+        let Some((_, wish)) = &self.wish else { return };
+        let Some((size, rgba)) = self.developed.develop(&wish.display) else { return };
+        let camera = wish.camera.clone();
+        let is_whole = self.developed.is_whole();
+        let (window, resolution) = (wish.settings.window(), wish.settings.resolution);
+        self.link.tell(|report| {
+            let serial = report.frame.as_ref().map_or(0, |f| f.serial) + 1;
+            let rgba = Arc::new(rgba);
+            let wish = wish_serial;
+            let frame =
+                Frame { size, rgba, serial, camera, wish, scale, window, resolution, is_whole };
+            report.frame = Some(frame);
+            change(report);
+        });
+    }
+}
+
+fn progress(renderer: &Renderer, preview: &Preview) -> Progress {
+    let (s, counts) = (&preview.statistics, &preview.sample_counts);
+    let least = counts.iter().copied().min().unwrap_or(0);
+    let most = counts.iter().copied().max().unwrap_or(0);
+    Progress {
+        spp: (least, most),
+        seconds: s.render_seconds,
+        samples: s.samples,
+        rays: s.closest_rays + s.shadow_rays,
+        converged: renderer.converged(),
+        relmse: renderer.film().estimated_error().map(|e| e.relmse),
+        faults: s.faults.iter().sum(),
+    }
+}
