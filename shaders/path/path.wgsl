@@ -26,6 +26,15 @@
 // So after roulette no path weighs more than 1, or than its samples weighed.
 const ROULETTE_START: u32 = 5u;
 const ROULETTE_LEAST: f32 = 0.05;
+#if ROULETTE
+#if DELTA
+// That would go on for ever where light is caught: total reflection round the inside of a ball.
+// After so many reflections and refractions in a row a path goes on with this probability,
+// whatever it has lost, and gains weight.
+const DELTA_RUN: u32 = 256u;
+const DELTA_SURVIVAL: f32 = 1.0 - 1.0 / 256.0;
+#endif
+#endif
 
 struct Path {
     ray: Ray,
@@ -38,6 +47,23 @@ struct Path {
     scatter_point: vec3<f32>,
     // How refraction scaled the throughput: no loss, so roulette ignores it.
     eta_scale: f32,
+#if ROULETTE
+#if DELTA
+    // Scatterings without a density in a row, up to here.
+    delta_run: u32,
+#endif
+#endif
+}
+
+fn path_new(ray: Ray, is_active: bool) -> Path {
+    var p: Path;
+    p.ray = ray;
+    p.is_alive = is_active;
+    p.throughput = vec3<f32>(1.0);
+    p.scatter_pdf = PDF_DELTA;
+    p.scatter_point = ray.origin;
+    p.eta_scale = 1.0;
+    return p;
 }
 
 // Whether light that was scattered `bounce` times belongs to the picture.
@@ -75,7 +101,11 @@ fn path_scatter(path: Path, s: Surface, b: Bsdf, frame_s: mat3x3<f32>, u: vec2<f
     p.ray = ray_new(ray_spawn(s.position, s.ng, s.offset, wi), wi);
 #if ROULETTE
     if bounce + 1u >= ROULETTE_START {
-        let q = clamp(max_component(p.throughput) / p.eta_scale, ROULETTE_LEAST, 1.0);
+        var q = clamp(max_component(p.throughput) / p.eta_scale, ROULETTE_LEAST, 1.0);
+#if DELTA
+        p.delta_run = select(0u, p.delta_run + 1u, scattered.pdf == PDF_DELTA);
+        q = select(q, min(q, DELTA_SURVIVAL), p.delta_run > DELTA_RUN);
+#endif
         p.is_alive = p.is_alive && roulette < q;
         p.throughput /= q;
     }
