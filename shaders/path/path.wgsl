@@ -81,7 +81,7 @@ fn path_environment(p: Path) -> vec3<f32> {
 
 #if LIGHT_SURFACES
 fn path_emission(p: Path, m: Material, s: Surface) -> vec3<f32> {
-    let w = strategy_emission_weight(p.scatter_pdf, light_surface_pdf(s, p.scatter_point));
+    let w = strategy_emission_weight(p.scatter_pdf, light_surface_pdf(s, p.scatter_point, p.ray.direction));
     return p.throughput * material_emitted(m, s) * w;
 }
 #endif

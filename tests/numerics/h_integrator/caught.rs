@@ -63,7 +63,8 @@ fn rod(length: f32) -> Mesh {
         let side = |bit: u32| if i >> bit & 1 == 1 { 0.5 } else { -0.5 };
         Vec3::new(side(0), side(1), side(2) * length)
     };
-    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let faces =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     Mesh {
         positions: (0..8).map(corner).collect(),
         triangles: faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
