@@ -28,7 +28,7 @@ var<private> path_shadow_ray_count: u32 = 0u;
 
 // Radiance along one camera path.
 fn path_radiance(sampler_p: Sampler, camera: Ray, is_active: bool) -> vec3<f32> {
-    var p = Path(camera, is_active, vec3<f32>(1.0), vec3<f32>(0.0), PDF_DELTA, camera.origin, 1.0);
+    var p = path_new(camera, is_active);
     var material = INVALID;
     for (var bounce = 0u; bounce < PATH_LENGTH_LIMIT; bounce++) {
         p.ray.alpha_seed = sampler_alpha_seed(sampler_p, bounce);

@@ -19,7 +19,7 @@
 struct LightSample {
     // Unit.
     wi: vec3<f32>,
-    // PDF_DELTA: the light has no extent.
+    // For the weights of strategies. PDF_DELTA: the light has no extent.
     pdf: f32,
     // Radiance over density; for a light without extent, its irradiance on a facing
     // surface over the probability of its choice. 0 is no sample.
@@ -112,8 +112,9 @@ fn light_sample(s: Surface, u: vec2<f32>, choice: f32) -> LightSample {
     return light_none();
 }
 
-// Density with which light_sample at `from` would have found the emitting surface `s` that a ray met.
-fn light_surface_pdf(s: Surface, from_point: vec3<f32>) -> f32 {
+// Density with which light_sample at `from_point` would have found the emitting surface `s` that a
+// ray along `wi` met.
+fn light_surface_pdf(s: Surface, from_point: vec3<f32>, wi: vec3<f32>) -> f32 {
     let l = lights[s.light];
 #if LIGHT_SPHERES
     if l.kind == LIGHT_SPHERE {
@@ -121,7 +122,7 @@ fn light_surface_pdf(s: Surface, from_point: vec3<f32>) -> f32 {
     }
 #endif
 #if LIGHT_TRIANGLES
-    return light_triangle_pdf(l, s, from_point);
+    return light_triangle_pdf(l, from_point, wi);
 #else
     return 0.0;
 #endif

@@ -13,12 +13,19 @@ fn light_triangle_normal(l: Light) -> vec3<f32> {
 }
 
 // pdf = pmf d² / (A cos): products before the quotient, so that a tiny light does not overflow.
-fn light_triangle_density(l: Light, n2: vec3<f32>, toward: vec3<f32>) -> f32 {
-    let d2 = dot(toward, toward);
-    // |n2| cos = 2 A cos.
-    let projected = 0.5 * abs(dot(n2, toward)) / sqrt(d2);
+// `facing` is 2 A cos.
+fn light_triangle_density(l: Light, d: f32, facing: f32) -> f32 {
+    let projected = 0.5 * abs(facing);
     // At no distance the quotient above is none.
-    return select(l.pmf * d2 / projected, 0.0, d2 <= 0.0 || projected <= 0.0);
+    return select(l.pmf * d * d / projected, 0.0, d <= 0.0 || projected <= 0.0);
+}
+
+// For the weights of strategies, by receiver and direction alone: they add up to one because
+// whoever finds the direction finds the same bits.
+fn light_triangle_pdf(l: Light, from_point: vec3<f32>, wi: vec3<f32>) -> f32 {
+    let n2 = light_triangle_normal(l);
+    let facing = dot(n2, normalize(wi));
+    return light_triangle_density(l, dot(n2, l.a - from_point) / facing, facing);
 }
 
 fn light_triangle_sample(l: Light, s: Surface, u: vec2<f32>) -> LightSample {
@@ -26,10 +33,13 @@ fn light_triangle_sample(l: Light, s: Surface, u: vec2<f32>) -> LightSample {
     let n2 = light_triangle_normal(l);
     let point = (1.0 - w.x - w.y) * l.a + w.x * l.b + w.y * l.c;
     let toward = point - s.position;
+    let wi = surface_unit(toward);
     let facing = -dot(n2, toward);
     let emits = facing > 0.0 || (facing < 0.0 && l.is_double_sided != 0u);
-    let pdf = light_triangle_density(l, n2, toward);
-    if !emits || pdf <= 0.0 {
+    let d = length(toward);
+    let density = light_triangle_density(l, d, facing / d);
+    let pdf = light_triangle_pdf(l, s.position, wi);
+    if !emits || density <= 0.0 {
         return light_none();
     }
     var radiance = light_color(l);
@@ -42,9 +52,9 @@ fn light_triangle_sample(l: Light, s: Surface, u: vec2<f32>) -> LightSample {
 #endif
     let extent = max(max(abs(l.a), abs(l.b)), abs(l.c));
     // Beyond the error of a hit seen from the receiver, which grows with the distance.
-    let offset = spawn_offset(max(max_component(extent), length(toward))) * select(-1.0, 1.0, facing > 0.0);
+    let offset = spawn_offset(max(max_component(extent), d)) * select(-1.0, 1.0, facing > 0.0);
     let target_point = point + offset * surface_unit(n2);
-    return LightSample(surface_unit(toward), pdf, radiance / pdf, target_point, false);
+    return LightSample(wi, pdf, radiance / density, target_point, false);
 }
 
 #if TEXTURES
@@ -56,7 +66,3 @@ fn light_triangle_texture(l: Light, weights: vec2<f32>) -> vec3<f32> {
     return texture_or_white(texture, attribute_at(corners_load(l.source), 1u, weights)).rgb;
 }
 #endif
-
-fn light_triangle_pdf(l: Light, s: Surface, from_point: vec3<f32>) -> f32 {
-    return light_triangle_density(l, light_triangle_normal(l), s.position - from_point);
-}

@@ -49,7 +49,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
         met.y = select(1.0, 0.0, end.light == INVALID);
         met.z = hit.t;
         if end.light != INVALID {
-            met.x = light_surface_pdf(end, s.position);
+            met.x = light_surface_pdf(end, s.position, ray.direction);
         }
 #endif
     }

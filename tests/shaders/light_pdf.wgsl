@@ -26,7 +26,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
 #if LIGHT_SURFACES
         let s = surface_at(ray, hit);
         if s.light != INVALID {
-            out = vec4<f32>(material_emitted(materials[s.material], s), light_surface_pdf(s, ray.origin));
+            out = vec4<f32>(material_emitted(materials[s.material], s), light_surface_pdf(s, ray.origin, ray.direction));
         }
 #endif
     }

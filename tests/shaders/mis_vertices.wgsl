@@ -42,7 +42,7 @@ fn met_pdf(from_point: vec3<f32>, ray: Ray, l: LightSample) -> f32 {
     if distance(s.position, l.target_point) > 1e-4 * d {
         return select(-3.0, -2.0, distance(s.position, ray.origin) < d);
     }
-    return select(-3.0, light_surface_pdf(s, from_point), s.light != INVALID);
+    return select(-3.0, light_surface_pdf(s, from_point, ray.direction), s.light != INVALID);
 }
 
 fn weights(s: Surface, thread: u32) -> vec4<f32> {

@@ -1,5 +1,6 @@
 //! The integrator.
 
+mod caught;
 mod counters;
 mod roulette;
 mod stack;
