@@ -132,7 +132,15 @@ differ whole neutral || fail 'the tone curve does not change'
 xdotool key t t t
 screen plain
 ! differ whole plain || fail 'the tone curves do not come around'
-ok 'shows the tree and tone curves'
+xdotool key g
+screen normals
+differ whole normals || fail 'the view does not change'
+for _ in $(seq 11); do
+    xdotool key g
+done
+screen light
+! differ whole light || fail 'the views do not come around'
+ok 'shows the tree, tone curves and views'
 
 xdotool key ctrl+q
 status=0

@@ -5,10 +5,12 @@ use super::keys::Action;
 use super::navigate;
 use super::panel;
 use super::wish::Request;
+use crate::cli::values::{VIEWS, word_for};
 use egui::Ui;
 use std::path::PathBuf;
 use steradian::image::ToneCurve;
 use steradian::settings::Strategy;
+use steradian::view::View;
 
 impl App {
     /// Does what a key or a button asks for.
@@ -101,6 +103,12 @@ impl App {
             Action::Darker => wish.display.exposure_ev -= 0.5,
             Action::Brighter => wish.display.exposure_ev += 0.5,
             Action::NoExposure => wish.display.exposure_ev = 0.0,
+            Action::NextView => {
+                let now = wish.view.and_then(|v| View::ALL.iter().position(|view| *view == v));
+                wish.view = View::ALL.get(now.map_or(0, |at| at + 1)).copied();
+                let word = wish.view.map_or("light", |view| word_for(VIEWS, &view));
+                self.say(format!("view: {word}"));
+            }
             Action::NextToneCurve => {
                 let all = ToneCurve::ALL;
                 let now = all.iter().position(|c| *c == wish.display.tone_curve).unwrap_or(0);

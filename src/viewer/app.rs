@@ -5,6 +5,7 @@ use super::canvas::Canvas;
 use super::keys::{self, Action};
 use super::latency::Latency;
 use super::link::Link;
+use super::navigate;
 use super::preferences::Preferences;
 use super::tree::TreeView;
 use super::wish::{Message, Report, Request, SceneInfo, Wish};
@@ -30,6 +31,8 @@ pub(super) struct App {
     pub(super) wish: Option<Wish>,
     sent: Option<Wish>,
     sent_serial: u64,
+    /// Number of the last pick that was taken.
+    picked: u64,
     /// Number of the last wish that was given up.
     refused: u64,
     pub(super) canvas: Canvas,
@@ -62,6 +65,7 @@ impl App {
             sent: None,
             sent_serial: 0,
             refused: 0,
+            picked: 0,
             canvas: Canvas::default(),
             tree: TreeView::default(),
             preferences,
@@ -88,6 +92,7 @@ impl App {
         let report = self.link.report();
         self.adopt(&report);
         self.take_back(&report);
+        self.take_pick(&report);
         self.take_message(&report);
         self.take_files(ui);
         self.take_keys(ui);
@@ -156,6 +161,7 @@ impl App {
             settings,
             environment: info.environment.clone(),
             display,
+            view: self.sent.as_ref().map_or(info.view, |before| before.view),
             is_paused: false,
         }
     }
@@ -168,8 +174,23 @@ impl App {
         }
         self.refused = *serial;
         if let (Some(good), Some(wish)) = (good, &mut self.wish) {
-            *wish = Wish { display: wish.display, ..good.as_ref().clone() };
+            *wish = Wish { display: wish.display, view: wish.view, ..good.as_ref().clone() };
         }
+    }
+
+    /// Turns about what was picked, and focuses on it.
+    fn take_pick(&mut self, report: &Report) {
+        let Some(picked) = report.picked.filter(|p| p.serial > self.picked) else { return };
+        self.picked = picked.serial;
+        let Some(wish) = &mut self.wish else { return };
+        let (from, to) = picked.ray;
+        self.tree.ray = Some((from, to));
+        self.canvas.pivot = to;
+        let along = (to - navigate::eye(&wish.camera)).dot(navigate::forward(&wish.camera));
+        if along > 0.0 {
+            wish.camera.focus_distance = along;
+        }
+        self.say(format!("pivot and focus at {:.3} m", from.distance(to)));
     }
 
     fn take_message(&mut self, report: &Report) {

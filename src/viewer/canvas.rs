@@ -66,6 +66,7 @@ pub(super) fn show(ui: &mut Ui, app: &mut App, report: &Report) {
     app.canvas.pixels = Some(edges.map(|v| (v * scale).round()));
     draw(ui, app, rect);
     super::tree::draw(ui, app, rect, report);
+    legend(ui, rect, report);
     super::mouse::follow(ui, app, &response, rect);
     busy(ui, area, report);
 }
@@ -182,6 +183,24 @@ fn busy(ui: &mut Ui, area: Rect, report: &Report) {
     ui.painter().galley(text_at, galley, Color32::WHITE);
 }
 
+/// What the colours mean.
+fn legend(ui: &Ui, rect: Rect, report: &Report) {
+    if let Some(text) = &report.legend {
+        note(ui, rect.left_bottom() + Vec2::new(12.0, -12.0), text, rect.width() - 40.0);
+    }
+}
+
+/// Text on a dark ground, up and to the right of `corner`, as wide as `width` at most.
+pub(super) fn note(ui: &Ui, corner: Pos2, text: &str, width: f32) {
+    let font = egui::FontId::proportional(13.0);
+    let grey = Color32::from_gray(235);
+    let galley = ui.painter().layout(text.to_owned(), font, grey, width.max(80.0));
+    let at = corner + Vec2::new(8.0, -galley.size().y - 5.0);
+    let back = Rect::from_min_size(at, galley.size()).expand2(Vec2::new(8.0, 5.0));
+    ui.painter().rect_filled(back, 6.0, Color32::from_black_alpha(190));
+    ui.painter().galley(at, galley, Color32::WHITE);
+}
+
 fn spinner(ui: &mut Ui, center: Pos2) {
     let rect = Rect::from_center_size(center, Vec2::splat(16.0));
     egui::Spinner::new().size(16.0).paint_at(ui, rect);
@@ -204,6 +223,7 @@ mod tests {
             settings: settings(resolution),
             environment: Default::default(),
             display: Default::default(),
+            view: None,
             is_paused: false,
         };
         for pixels_per_point in [1.0, 1.5, 2.0] {

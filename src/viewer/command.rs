@@ -3,11 +3,12 @@
 use super::wish::{SceneInfo, Wish};
 use crate::cli::job::default_block_size;
 use crate::cli::stopping::PRESETS;
-use crate::cli::values::{ACCELS, SAMPLERS, STRATEGIES, TONE_CURVES, word_for};
+use crate::cli::values::{ACCELS, SAMPLERS, STRATEGIES, TONE_CURVES, VIEWS, word_for};
 use steradian::image::ToneCurve;
 use steradian::scene::Camera;
 use steradian::settings::{Accel, Sampler, Strategy};
 use steradian::stopping::StoppingRule;
+use steradian::view::Source;
 
 /// The command, for a shell; `output` is the picture's name.
 pub(super) fn render(info: &SceneInfo, wish: &Wish, output: &str) -> String {
@@ -33,8 +34,11 @@ fn arguments(info: &SceneInfo, wish: &Wish, output: &str) -> Vec<String> {
     if let Some(c) = s.crop {
         flag("--crop", format!("{},{},{},{}", c.x, c.y, c.width, c.height));
     }
-    flag("--spp", s.spp.to_string());
-    match s.stopping_rule() {
+    let is_of_hits = wish.view.is_some_and(|view| view.source() == Source::FirstHits);
+    if !is_of_hits {
+        flag("--spp", s.spp.to_string());
+    }
+    match s.stopping_rule().filter(|_| !is_of_hits) {
         Some(StoppingRule::Calibrated(rule)) => {
             flag("--noise", rule.tolerance.to_string());
             flag("--confidence", rule.confidence.to_string());
@@ -43,6 +47,7 @@ fn arguments(info: &SceneInfo, wish: &Wish, output: &str) -> Vec<String> {
         Some(StoppingRule::Seed(rule)) => {
             flag("--adaptive", format!("seed:{},{}", rule.batch, rule.tolerance));
         }
+        None if is_of_hits => {}
         None if s.block_size != default_block_size(Some(s.spp)) => {
             flag("--block", s.block_size.to_string());
         }
@@ -92,7 +97,10 @@ fn arguments(info: &SceneInfo, wish: &Wish, output: &str) -> Vec<String> {
     if let Some(intensity) = e.environment_intensity {
         flag("--environment-intensity", intensity.to_string());
     }
-    let is_png = !output.ends_with(".exr");
+    if let Some(view) = wish.view {
+        flag("--view", word_for(VIEWS, &view).into());
+    }
+    let is_png = !output.ends_with(".exr") && wish.view.is_none();
     if wish.display.exposure_ev != 0.0 && is_png {
         flag("--exposure", wish.display.exposure_ev.to_string());
     }

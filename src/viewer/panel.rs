@@ -5,10 +5,11 @@ use super::keys::Action;
 use super::navigate::Axis;
 use super::wish::{Report, Wish};
 use crate::cli::job::default_block_size;
-use crate::cli::values::{SAMPLERS, STRATEGIES, TONE_CURVES};
+use crate::cli::values::{SAMPLERS, STRATEGIES, TONE_CURVES, VIEWS, word_for};
 use egui::{CollapsingHeader, ComboBox, DragValue, Grid, Id, ScrollArea, Slider, Ui};
 use steradian::RenderSettings;
 use steradian::scene::{Camera, Projection};
+use steradian::view::View;
 use steradian::stopping::{CalibratedRule, Preset, StoppingRule};
 
 /// Scenes without a lens begin with one this share of their size.
@@ -54,6 +55,17 @@ fn files(ui: &mut Ui, app: &mut App) {
 
 fn picture(ui: &mut Ui, app: &mut App, wish: &mut Wish) {
     rows(ui, "picture", |ui| {
+        let name = ui.label("View").id;
+        let text = |view: Option<View>| view.map_or("light", |view| word_for(VIEWS, &view));
+        let list = ComboBox::from_id_salt(name).width(140.0).selected_text(text(wish.view));
+        let list = list.show_ui(ui, |ui| {
+            ui.selectable_value(&mut wish.view, None, text(None));
+            for (word, view, help) in VIEWS {
+                ui.selectable_value(&mut wish.view, Some(*view), *word).on_hover_text(*help);
+            }
+        });
+        list.response.labelled_by(name);
+        ui.end_row();
         let name = ui.label("Exposure").id;
         ui.horizontal(|ui| {
             let ev = &mut wish.display.exposure_ev;

@@ -7,7 +7,7 @@ use super::keys::Action;
 use super::link::Link;
 use super::navigate::{self, Axis};
 use super::preferences::Preferences;
-use super::wish::{Frame, Message, Phase, Request, Wish};
+use super::wish::{Frame, Message, Phase, Picked, Request, Wish};
 use crate::cli::flags::{JobFlags, RenderFlags};
 use crate::cli::job::Job;
 use clap::{Args, Command, FromArgMatches};
@@ -20,6 +20,7 @@ use std::time::Duration;
 use steradian::image::ToneCurve;
 use steradian::settings::{Crop, Sampler, Strategy};
 use steradian::stopping::{CalibratedRule, Preset, StoppingRule};
+use steradian::view::View;
 
 const SIZE: Vec2 = Vec2::new(1000.0, 700.0);
 
@@ -88,6 +89,7 @@ fn keys_change_the_wish() {
         (Key::P, none, |w| w.is_paused = true),
         (Key::PageUp, none, |w| w.display.exposure_ev = 0.5),
         (Key::T, none, |w| w.display.tone_curve = ToneCurve::Neutral),
+        (Key::G, none, |w| w.view = Some(View::Normals)),
         (Key::Quote, none, |w| w.camera.focus_distance *= 1.1),
         (Key::Semicolon, none, |w| w.camera.focus_distance /= 1.1),
     ];
@@ -348,6 +350,31 @@ fn a_double_click_picks_a_pixel() {
     assert_eq!(news(&link).1, [Request::Pick((16, 36))]);
 }
 
+#[test]
+fn what_was_picked_is_the_pivot_and_in_focus() {
+    let (mut harness, link) = open(SMALL);
+    let (first, _) = news(&link);
+    let eye = navigate::eye(&first.camera);
+    let to = eye + navigate::forward(&first.camera) * 0.7 + glam::Vec3::Y * 0.1;
+    link.tell(|report| report.picked = Some(Picked { serial: 1, ray: (eye, to) }));
+    harness.run_steps(2);
+    assert_eq!(harness.state().canvas.pivot, to);
+    assert!((news(&link).0.camera.focus_distance - 0.7).abs() < 1e-6);
+}
+
+/// All views come around to light.
+#[test]
+fn views_come_around() {
+    let (mut harness, link) = open(SMALL);
+    let (first, _) = news(&link);
+    for view in View::ALL {
+        press(&mut harness, Key::G, Modifiers::NONE);
+        assert_eq!(news(&link).0.view, Some(view));
+    }
+    press(&mut harness, Key::G, Modifiers::NONE);
+    assert_eq!(news(&link).0, first);
+}
+
 /// What a copied command renders is what the window shows.
 #[test]
 fn the_copied_command_is_the_wish() {
@@ -374,7 +401,11 @@ fn the_copied_command_is_the_wish() {
     let preset = Preset::Strict;
     let rule = CalibratedRule { tolerance: 0.03, confidence: 0.9, preset };
     adaptive.settings.stopping = Some(StoppingRule::Calibrated(rule));
-    for wish in [plain, rich, adaptive] {
+    adaptive.view = Some(View::StopReason);
+    let mut normals = plain.clone();
+    normals.view = Some(View::Normals);
+    normals.display.exposure_ev = 0.0;
+    for wish in [plain, rich, adaptive, normals] {
         let text = command::render(&info, &wish, "it's.png");
         let words = shell_words(&text);
         assert_eq!(words[..2], ["steradian", "render"]);
@@ -393,6 +424,7 @@ fn the_copied_command_is_the_wish() {
         let picture = &flags.job.picture;
         assert_eq!(picture.exposure.unwrap_or(0.0), wish.display.exposure_ev);
         assert_eq!(picture.tone_map.unwrap_or_default(), wish.display.tone_curve);
+        assert_eq!(picture.view, wish.view);
     }
 }
 

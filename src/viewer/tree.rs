@@ -70,12 +70,8 @@ pub(super) fn draw(ui: &mut Ui, app: &mut App, rect: Rect, report: &Report) {
     if let (true, Some((from, to))) = (app.tree.is_ray_shown, app.tree.ray) {
         line(from, to, Stroke::new(2.0, RAY));
     }
-    let font = egui::FontId::proportional(14.0);
-    let galley = ui.painter().layout_no_wrap(place.text, font, Color32::from_gray(235));
-    let at = rect.left_bottom() + egui::vec2(12.0, -34.0);
-    let back = Rect::from_min_size(at, galley.size()).expand2(egui::vec2(8.0, 5.0));
-    ui.painter().rect_filled(back, 6.0, Color32::from_black_alpha(190));
-    ui.painter().galley(at, galley, Color32::WHITE);
+    let corner = rect.left_top() + egui::vec2(12.0, 40.0);
+    super::canvas::note(ui, corner, &place.text, rect.width() - 40.0);
 }
 
 /// The node at the end of a path, which is cut where the tree ends.

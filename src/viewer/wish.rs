@@ -10,6 +10,7 @@ use steradian::bvh::Bvh;
 use steradian::image::{DisplayTransform, ToneCurve};
 use steradian::scene::Camera;
 use steradian::settings::Crop;
+use steradian::view::View;
 
 /// All of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +27,8 @@ pub(super) struct Wish {
     pub(super) environment: EnvironmentFlags,
     /// How the picture is shown. Changes nothing of what is accumulated.
     pub(super) display: DisplayTransform,
+    /// What is shown in place of light. Changes nothing of what is accumulated.
+    pub(super) view: Option<View>,
     /// Nothing is traced.
     pub(super) is_paused: bool,
 }
@@ -57,6 +60,8 @@ pub(super) struct SceneInfo {
     pub(super) exposure_ev: Option<f32>,
     /// What the command line asks for.
     pub(super) tone_curve: Option<ToneCurve>,
+    /// What the command line asks for.
+    pub(super) view: Option<View>,
     /// Cameras of the file; a further one is the command line's.
     pub(super) own_camera_count: usize,
     /// Whether the command line changes a camera's lens.
@@ -169,6 +174,8 @@ pub(super) struct Report {
     pub(super) busy: Option<(&'static str, Instant)>,
     /// The newest picture.
     pub(super) frame: Option<Frame>,
+    /// What the colours mean, where they are not those of light.
+    pub(super) legend: Option<String>,
     /// The scene that is shown.
     pub(super) scene: Option<Arc<SceneInfo>>,
     /// Where the render stands.

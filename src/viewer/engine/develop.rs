@@ -5,17 +5,20 @@ use super::{PUBLISH_PAUSE, PUBLISH_SHARE};
 use std::time::{Duration, Instant};
 use steradian::image::{DisplayTransform, Picture};
 use steradian::renderer::Preview;
+use steradian::view::ViewPicture;
 
 /// The newest picture, not yet exposed.
 pub(super) struct Developed {
     newest: Option<Preview>,
     backdrop: Option<(Picture, u32)>,
+    /// What is shown in place of light.
+    pub(super) overlay: Option<ViewPicture>,
     next: Instant,
 }
 
 impl Default for Developed {
     fn default() -> Self {
-        Self { newest: None, backdrop: None, next: Instant::now() }
+        Self { newest: None, backdrop: None, overlay: None, next: Instant::now() }
     }
 }
 
@@ -26,6 +29,11 @@ impl Developed {
         let before = self.newest.take().map(|p| p.picture).or(self.backdrop.take().map(|b| b.0));
         self.backdrop = Some((filled(&preview, before.as_ref()), scale));
         self.next = Instant::now();
+    }
+
+    /// The camera has moved, and there is no picture of light yet.
+    pub(super) fn forget(&mut self) {
+        self.newest = None;
     }
 
     /// A picture of the render.
@@ -41,8 +49,11 @@ impl Developed {
         }
     }
 
-    /// Whether every pixel of the whole resolution has a sample.
-    pub(super) fn is_whole(&self) -> bool {
+    /// Whether what is shown at `scale` has all pixels of the whole resolution.
+    pub(super) fn is_whole(&self, scale: u32) -> bool {
+        if self.overlay.is_some() {
+            return scale == 1;
+        }
         self.newest.as_ref().is_some_and(|preview| !preview.sample_counts.contains(&0))
     }
 
@@ -58,6 +69,11 @@ impl Developed {
 
     /// Columns and rows, and sRGB with alpha; `None` before there is a picture.
     pub(super) fn develop(&self, display: &DisplayTransform) -> Option<([usize; 2], Vec<[u8; 4]>)> {
+        if let Some(view) = &self.overlay {
+            let size = [view.picture.width as usize, view.picture.height as usize];
+            // Its colours are what is to be seen.
+            return Some((size, DisplayTransform::default().srgb8(&view.picture.rgb)));
+        }
         let backdrop = self.backdrop.as_ref().map(|(picture, _)| picture);
         let picture = match &self.newest {
             Some(preview) => filled(preview, backdrop),

@@ -178,6 +178,7 @@ pub(in crate::viewer) fn scene_info(
         has_fixed_size: flags.picture.resolution.is_some(),
         exposure_ev: flags.picture.exposure,
         tone_curve: flags.picture.tone_map,
+        view: flags.picture.view,
         has_lens_flags: flags.camera.aperture.is_some() || flags.camera.focus.is_some(),
         primitive_count: scene.primitive_count(),
         seconds: (job.load_seconds, 0.0),

@@ -11,6 +11,7 @@ mod show;
 mod stage;
 #[cfg(test)]
 mod tests;
+mod views;
 mod watch;
 
 use super::link::{Link, News};
@@ -28,6 +29,7 @@ use std::time::{Duration, Instant};
 use steradian::gpu::{Device, DeviceKind};
 use steradian::passes::Tuning;
 use steradian::{Error, Renderer, Result};
+use views::Glance;
 use watch::Watch;
 
 /// After the camera's last motion, the time until the whole resolution is rendered again.
@@ -76,6 +78,7 @@ pub(super) struct Engine {
     /// Steps to take although paused.
     steps: u32,
     developed: Developed,
+    glance: Option<Glance>,
     /// Samples per second, for the size of pictures in motion.
     samples_per_second: f64,
     losses: Losses,
@@ -110,6 +113,7 @@ impl Engine {
             resume_at: Instant::now(),
             steps: 0,
             developed: Developed::default(),
+            glance: None,
             samples_per_second: 1e5,
             losses: Losses::default(),
             message_count: 0,
@@ -167,6 +171,9 @@ impl Engine {
         match (&self.stage, &self.renderer) {
             _ if self.loader.is_some() => Duration::from_millis(10),
             (None, _) => IDLE,
+            _ if self.unfinished_view().is_some() => {
+                self.resume_at.saturating_duration_since(Instant::now()).min(IDLE)
+            }
             _ if is_paused => IDLE,
             (Some(_), None) if self.wish.is_some() => {
                 self.resume_at.saturating_duration_since(Instant::now()).min(IDLE)
@@ -233,7 +240,10 @@ impl Engine {
                 Phase::Paused if !is_paused => report.phase = Phase::Rendering,
                 _ => {}
             });
-            return self.show_again();
+            return match last.map(|last| last.view) {
+                Some(view) if view == wish.view => self.show_again(),
+                _ => self.change_view(),
+            };
         }
         // Things that are dragged come many times: the whole resolution waits for their rest.
         let is_restart = last.is_none_or(|last| {
@@ -262,7 +272,13 @@ impl Engine {
     fn work(&mut self) -> Result<()> {
         let Some((serial, wish)) = self.wish.clone() else { return Ok(()) };
         let Some(stage) = &self.stage else { return Ok(()) };
-        if wish.is_paused && self.steps == 0 || wish.generation != stage.generation {
+        if wish.generation != stage.generation {
+            return Ok(());
+        }
+        if let Some(view) = self.unfinished_view() {
+            return self.trace_view(view);
+        }
+        if wish.is_paused && self.steps == 0 {
             return Ok(());
         }
         if self.renderer.is_none() {

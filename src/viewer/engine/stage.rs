@@ -4,10 +4,12 @@ use crate::cli::flags::EnvironmentFlags;
 use crate::cli::job::{Job, set_environment};
 use crate::viewer::wish::Wish;
 use std::sync::Arc;
+use steradian::gpu::GpuFirstHit;
 use steradian::passes::Tuning;
 use steradian::renderer::PreparedScene;
 use steradian::scene::{Camera, Environment};
 use steradian::settings::Crop;
+use steradian::view::View;
 use steradian::{RenderSettings, Renderer, Result};
 
 /// A scene on the device.
@@ -62,6 +64,20 @@ impl Stage {
     pub(super) fn renderer(&self, settings: &RenderSettings, tuning: &Tuning) -> Result<Renderer> {
         Renderer::of_prepared(self.prepared.clone(), &self.job.scene, settings, tuning)
     }
+}
+
+/// What `rays` and one camera rays of every pixel meet, row by row.
+pub(super) fn traced(
+    stage: &Stage,
+    settings: &RenderSettings,
+    view: View,
+    rays: u32,
+    tuning: &Tuning,
+) -> Result<Vec<GpuFirstHit>> {
+    let (prepared, scene) = (&stage.prepared, &stage.job.scene);
+    let mut hits = prepared.first_hits(scene, settings, view == View::NodeVisits, tuning)?;
+    hits.run(prepared.device(), rays)?;
+    Ok(hits.hits().to_vec())
 }
 
 /// One sample of each pixel of a picture whose sides are `scale` times smaller.

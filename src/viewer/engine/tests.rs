@@ -14,6 +14,9 @@ use std::time::{Duration, Instant};
 use steradian::Renderer;
 use steradian::gpu::Device;
 use steradian::image::{DisplayTransform, read_picture};
+use steradian::passes::Tuning;
+use steradian::renderer::PreparedScene;
+use steradian::view::{View, of_first_hits};
 
 /// No step of these takes as long on a machine that has nothing else to do.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -112,6 +115,7 @@ fn first_wish(info: &SceneInfo) -> Wish {
         settings: info.settings.clone(),
         environment: info.environment.clone(),
         display: DisplayTransform::default(),
+        view: None,
         is_paused: false,
     }
 }
@@ -174,6 +178,55 @@ fn a_moved_camera_is_followed_first_coarse_then_whole() {
     bench.send(&wish);
     assert!(bench.wait_for_picture().rgba.as_ref() != &expected);
     assert_eq!(bench.link.report().progress, before);
+}
+
+/// Of first hits by as many rays, of the film by the same samples; light comes back as it was.
+#[test]
+fn views_are_those_of_the_library() {
+    let scene = bundled("cornell-spheres");
+    let bench = Bench::start(&scene, SMALL);
+    let mut wish = bench.begin(1);
+    let light = bench.wait_until_done();
+    let job = Job::new(&scene, &flags(SMALL)).unwrap();
+    let device = Arc::new(Device::open(None).unwrap());
+    let prepared = PreparedScene::new(device.clone(), &job.scene, job.settings.accel).unwrap();
+    for view in [View::Normals, View::Material, View::NodeVisits] {
+        wish.view = Some(view);
+        bench.send(&wish);
+        let frame = bench.wait_until_done();
+        let counts = view == View::NodeVisits;
+        let tuning = Tuning::default();
+        let mut hits =
+            prepared.first_hits(&job.scene, &job.settings, counts, &tuning).unwrap();
+        hits.run(&device, super::views::RAYS).unwrap();
+        let expected = of_first_hits(view, hits.hits(), (32, 24)).unwrap();
+        let expected = DisplayTransform::default().srgb8(&expected.picture.rgb);
+        assert!(frame.rgba.as_ref() == &expected, "{view:?}");
+        assert!(bench.link.report().legend.is_some());
+    }
+    wish.view = Some(View::SampleCount);
+    bench.send(&wish);
+    let counts = bench.wait_until_done();
+    assert!(counts.rgba.iter().all(|p| *p == counts.rgba[0]), "all have 8 samples");
+    wish.view = None;
+    bench.send(&wish);
+    assert!(bench.wait_until_done().rgba == light.rgba);
+    assert_eq!(bench.link.report().legend, None);
+}
+
+/// The middle of the upper half shows the back wall.
+#[test]
+fn a_pick_is_a_point_of_the_surface_that_is_seen() {
+    let bench = Bench::start(&bundled("cornell-box"), SMALL);
+    let wish = bench.begin(1);
+    bench.wait_until_done();
+    bench.link.ask(Request::Pick((16, 9)));
+    let picked = bench.wait("a pick", |r| r.picked.is_some()).picked.unwrap();
+    let (from, to) = picked.ray;
+    assert!(from.distance(navigate::eye(&wish.camera)) < 1e-6);
+    assert!((to.z + 0.5592).abs() < 2e-3, "{to}");
+    let (x, y) = navigate::project(&wish.camera, to, 32.0 / 24.0).unwrap();
+    assert!((x - (16.5 / 16.0 - 1.0)).abs() < 0.04 && (y - (1.0 - 9.5 / 12.0)).abs() < 0.05);
 }
 
 #[test]
