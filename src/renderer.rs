@@ -6,6 +6,7 @@ mod rounds;
 mod schedule;
 mod statistics;
 mod sweep;
+mod views;
 
 pub use prepared::PreparedScene;
 pub use preview::Preview;
@@ -22,6 +23,7 @@ use crate::settings::RenderSettings;
 use crate::shader::generated::{TILE_PIXELS, TILE_SIDE};
 use rounds::Rounds;
 use schedule::Schedule;
+use statistics::fault_counts;
 use std::sync::Arc;
 use std::time::Instant;
 use sweep::{Pace, Piece, Sweep};
@@ -272,6 +274,7 @@ impl Renderer {
         let Some((x, y)) = self.place(pixel) else { return };
         let window = self.film.window();
         self.film.add_block(x, y, BlockMean::of(block));
+        self.film.add_faults(x, y, fault_counts(block));
         self.statistics.add_block((window.x + x, window.y + y), block);
     }
 

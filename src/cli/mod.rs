@@ -17,6 +17,7 @@ mod stats;
 pub(crate) mod stopping;
 pub(crate) mod talk;
 pub(crate) mod values;
+pub(crate) mod view;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

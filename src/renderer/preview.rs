@@ -1,6 +1,7 @@
 //! What a render shows while it is under way: the film, and with it the samples of the block that
 //! is not folded yet. Nothing of it changes what the render ends with.
 
+use super::statistics::fault_counts;
 use super::{Plan, RenderStatistics, Renderer};
 use crate::Result;
 use crate::film::{BlockMean, Film};
@@ -50,6 +51,7 @@ impl Renderer {
         for (pixel, block) in self.pending()? {
             let Some((x, y)) = self.place(pixel) else { continue };
             film.add_block(x, y, BlockMean::of(&block));
+            film.add_faults(x, y, fault_counts(&block));
             statistics.add_block((window.x + x, window.y + y), &block);
         }
         if let Plan::Adaptive(rounds) = &self.plan {

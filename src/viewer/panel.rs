@@ -9,8 +9,8 @@ use crate::cli::values::{SAMPLERS, STRATEGIES, TONE_CURVES, VIEWS, word_for};
 use egui::{CollapsingHeader, ComboBox, DragValue, Grid, Id, ScrollArea, Slider, Ui};
 use steradian::RenderSettings;
 use steradian::scene::{Camera, Projection};
-use steradian::view::View;
 use steradian::stopping::{CalibratedRule, Preset, StoppingRule};
+use steradian::view::View;
 
 /// Scenes without a lens begin with one this share of their size.
 const FIRST_LENS: f32 = 1e-3;

@@ -10,6 +10,7 @@ mod signals;
 mod stopping;
 #[cfg(feature = "viewer")]
 mod view;
+mod views;
 
 use serde_json::Value;
 use std::ffi::OsStr;

@@ -120,7 +120,12 @@ impl Engine {
     }
 
     /// Hands the newest picture to the window, and with it what else is new.
-    pub(super) fn publish(&mut self, wish_serial: u64, scale: u32, change: impl FnOnce(&mut Report)) {
+    pub(super) fn publish(
+        &mut self,
+        wish_serial: u64,
+        scale: u32,
+        change: impl FnOnce(&mut Report),
+    ) {
         let Some((_, wish)) = &self.wish else { return };
         let Some((size, rgba)) = self.developed.develop(&wish.display) else { return };
         let camera = wish.camera.clone();

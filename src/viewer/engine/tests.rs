@@ -196,8 +196,7 @@ fn views_are_those_of_the_library() {
         let frame = bench.wait_until_done();
         let counts = view == View::NodeVisits;
         let tuning = Tuning::default();
-        let mut hits =
-            prepared.first_hits(&job.scene, &job.settings, counts, &tuning).unwrap();
+        let mut hits = prepared.first_hits(&job.scene, &job.settings, counts, &tuning).unwrap();
         hits.run(&device, super::views::RAYS).unwrap();
         let expected = of_first_hits(view, hits.hits(), (32, 24)).unwrap();
         let expected = DisplayTransform::default().srgb8(&expected.picture.rgb);

@@ -4,11 +4,11 @@ use super::Engine;
 use super::stage::{in_motion, traced};
 use crate::viewer::wish::Wish;
 use std::time::Instant;
-use steradian::{RenderSettings, Result};
 use steradian::gpu::GpuFirstHit;
 use steradian::image::Layer;
 use steradian::settings::Crop;
 use steradian::view::{Source, View, ViewPicture, of_film, of_first_hits};
+use steradian::{RenderSettings, Result};
 
 /// Rays of a pixel besides that through its centre.
 pub(super) const RAYS: u32 = 4;
