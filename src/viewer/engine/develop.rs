@@ -13,12 +13,14 @@ pub(super) struct Developed {
     backdrop: Option<(Picture, u32)>,
     /// What is shown in place of light.
     pub(super) overlay: Option<ViewPicture>,
+    /// It has all its rays.
+    pub(super) is_overlay_whole: bool,
     next: Instant,
 }
 
 impl Default for Developed {
     fn default() -> Self {
-        Self { newest: None, backdrop: None, overlay: None, next: Instant::now() }
+        Self { newest: None, backdrop: None, overlay: None, is_overlay_whole: false, next: Instant::now() }
     }
 }
 
@@ -49,10 +51,10 @@ impl Developed {
         }
     }
 
-    /// Whether what is shown at `scale` has all pixels of the whole resolution.
-    pub(super) fn is_whole(&self, scale: u32) -> bool {
+    /// Whether what is shown has a sample in all pixels of the whole resolution.
+    pub(super) fn is_whole(&self) -> bool {
         if self.overlay.is_some() {
-            return scale == 1;
+            return self.is_overlay_whole;
         }
         self.newest.as_ref().is_some_and(|preview| !preview.sample_counts.contains(&0))
     }

@@ -129,7 +129,7 @@ impl Engine {
         let Some((_, wish)) = &self.wish else { return };
         let Some((size, rgba)) = self.developed.develop(&wish.display) else { return };
         let camera = wish.camera.clone();
-        let is_whole = self.developed.is_whole(scale);
+        let is_whole = self.developed.is_whole();
         let legend = self.developed.overlay.as_ref().map(|view| view.legend.clone());
         let (window, resolution) = (wish.settings.window(), wish.settings.resolution);
         self.link.tell(|report| {

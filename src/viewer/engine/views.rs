@@ -63,6 +63,7 @@ impl Engine {
         if glance.rows() == window.height {
             let size = (window.width, window.height);
             self.developed.overlay = of_first_hits(view, &glance.hits, size);
+            self.developed.is_overlay_whole = true;
             let serial = *serial;
             self.glance = Some(glance);
             self.publish(serial, 1, |_| ());
@@ -81,6 +82,7 @@ impl Engine {
         let size = (settings.window().width, settings.window().height);
         let small = traced(stage, &settings, view, 1, &self.tuning)?;
         self.developed.overlay = of_first_hits(view, &small, size);
+        self.developed.is_overlay_whole = false;
         Ok(scale)
     }
 
@@ -98,6 +100,7 @@ impl Engine {
         };
         let shown = of_film(view, &film, wish.settings.spp);
         self.developed.overlay = Some(shown.unwrap_or_else(nothing));
+        self.developed.is_overlay_whole = true;
         Ok(())
     }
 }
