@@ -4,8 +4,10 @@ mod rounds;
 mod schedule;
 mod statistics;
 mod sweep;
+mod views;
 
 pub use statistics::{FaultLocation, RenderStatistics};
+pub use views::first_hits;
 
 #[cfg(doc)]
 use crate::Error;
@@ -19,6 +21,7 @@ use crate::shader::generated::{TILE_PIXELS, TILE_SIDE};
 use crate::shader::{Feature, Features};
 use rounds::Rounds;
 use schedule::Schedule;
+use statistics::fault_counts;
 use std::sync::Arc;
 use std::time::Instant;
 use sweep::{Pace, Piece, Sweep};
@@ -282,6 +285,7 @@ impl Renderer {
             sample_count: block.sample_count,
         };
         self.film.add_block(x, y, mean);
+        self.film.add_faults(x, y, fault_counts(block));
         self.statistics.add_block((window.x + x, window.y + y), block);
     }
 }

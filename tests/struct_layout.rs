@@ -25,7 +25,7 @@ fn wgsl_layout(module: &naga::Module, name: &str) -> Option<(Vec<(String, usize)
 
 #[test]
 fn host_and_wgsl_agree() {
-    let modules = ["path_trace", "compact"].map(module);
+    let modules = ["path_trace", "compact", "first_hit"].map(module);
     for layout in layouts() {
         let (fields, span) = modules
             .iter()

@@ -2,6 +2,9 @@
 #import geometry/leaf
 #import frame/frame
 #import film/fault
+#if VISIT_COUNTS
+#import geometry/visits
+#endif
 
 fn trace_any_lane(b: bool) -> bool {
     return b;
@@ -14,10 +17,16 @@ fn trace_closest(ray: Ray, is_active: bool) -> Hit {
     let triangles = select(0u, frame.triangle_count, is_active);
     var i = 0u;
     for (; i < triangles; i++) {
+#if VISIT_COUNTS
+        visit_primitive();
+#endif
         leaf_closest(ray, tree, LINK_KIND_TRIANGLE, primitive_load(i), i, &best);
     }
     let end = triangles + select(0u, frame.sphere_count, is_active);
     for (; i < end; i++) {
+#if VISIT_COUNTS
+        visit_primitive();
+#endif
         leaf_closest(ray, tree, LINK_KIND_SPHERE, primitive_load(i), i, &best);
     }
     // Some drivers end a thread's loops early, without saying so.

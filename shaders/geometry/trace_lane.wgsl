@@ -3,6 +3,9 @@
 // its object space.
 #import geometry/leaf
 #import geometry/stack
+#if VISIT_COUNTS
+#import geometry/visits
+#endif
 
 // Whether any thread that must walk together with this one has `b`.
 fn trace_any_lane(b: bool) -> bool {
@@ -29,6 +32,9 @@ fn trace_walk(ray: Ray, is_active: bool, any_hit: bool) -> Hit {
         // Down to a leaf, nearer child first. The farther one is always written, and
         // counts where both are hit.
         while link_is_inner(link) {
+#if VISIT_COUNTS
+            visit_node();
+#endif
             let left = node_word(link);
             let right = node_word(link + 1u);
             let a = slab_hit(tree.slab, left, best.t);
@@ -63,6 +69,9 @@ fn trace_walk(ray: Ray, is_active: bool, any_hit: bool) -> Hit {
         let first = link & LINK_FIRST_MASK;
         let end = first + link_count(link);
         for (var i = first; i < end; i++) {
+#if VISIT_COUNTS
+            visit_primitive();
+#endif
             leaf_closest(ray, tree, link & LINK_KIND_MASK, primitive_load(i), i, &best);
         }
         if any_hit && best.primitive != INVALID {

@@ -4,6 +4,9 @@
 // those without a ray pass is_active = false.
 #import geometry/leaf
 #import geometry/stack
+#if VISIT_COUNTS
+#import geometry/visits
+#endif
 
 var<private> packet_lane: u32;
 
@@ -78,6 +81,9 @@ fn packet_walk(ray: Ray, is_active: bool, any_hit: bool) -> Hit {
     stack_set(0u, LINK_DONE);
     loop {
         while link_is_inner(link) {
+#if VISIT_COUNTS
+            visit_node();
+#endif
             let pair = nodes[2u * link + packet_lane];
             let c0 = packet_child(pair, 0u);
             let c1 = packet_child(pair, 1u);
@@ -131,6 +137,9 @@ fn packet_walk(ray: Ray, is_active: bool, any_hit: bool) -> Hit {
         let first = link & LINK_FIRST_MASK;
         let end = first + link_count(link);
         for (var i = first; i < end; i++) {
+#if VISIT_COUNTS
+            visit_primitive();
+#endif
             let p = packet_primitive(i);
             if t_max > 0.0 {
                 leaf_closest(ray, tree, link & LINK_KIND_MASK, p, i, &best);

@@ -31,13 +31,21 @@ struct Material {
 
 @group(0) @binding(5) var<storage, read> materials: array<Material>;
 
+// The base colour at s.
+fn material_base(m: Material, s: Surface) -> vec3<f32> {
+    var base = m.base_color * s.color.rgb;
+#if TEXTURES
+    base *= texture_or_white(m.base_color_texture, s.uv).rgb;
+#endif
+    return base;
+}
+
 // The BSDF at s (glTF 2.0 appendix B, KHR_materials_specular, _ior, _transmission).
 fn material_bsdf(m: Material, s: Surface) -> Bsdf {
-    var base = m.base_color * s.color.rgb;
+    let base = material_base(m, s);
     var metallic = m.metallic;
     var roughness = m.roughness;
 #if TEXTURES
-    base *= texture_or_white(m.base_color_texture, s.uv).rgb;
     let orm = texture_or_white(m.metallic_roughness_texture, s.uv);
     roughness *= orm.g;
     metallic *= orm.b;

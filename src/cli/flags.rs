@@ -9,6 +9,7 @@ use glam::Vec3;
 use std::path::PathBuf;
 use steradian::image::{MapColors, ToneCurve};
 use steradian::settings::{Accel, Crop, Sampler, Strategy};
+use steradian::view::View;
 
 /// Flags of `render`.
 #[derive(Debug, Args)]
@@ -104,6 +105,12 @@ pub(super) struct PictureFlags {
     /// Exposure of a PNG in stops: radiance is multiplied by 2 to this power
     #[arg(long, value_name = "EV", value_parser = values::finite, allow_negative_numbers = true)]
     pub(super) exposure: Option<f32>,
+
+    /// Show this instead of light, in false colours (PNG) or as numbers (EXR)
+    #[arg(long, value_parser = values::one_of(values::VIEWS), conflicts_with_all = [
+        "pixel", "exposure", "tone_map",
+    ])]
+    pub(super) view: Option<View>,
 
     /// Tone curve of a PNG, after the exposure; none by default
     #[arg(long, value_parser = values::one_of(values::TONE_CURVES))]

@@ -218,6 +218,7 @@ mod tests {
             pixel: None,
             bits: None,
             exposure: None,
+            view: None,
             tone_map: None,
         }
     }

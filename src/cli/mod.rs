@@ -17,6 +17,7 @@ mod stats;
 mod stopping;
 pub(crate) mod talk;
 mod values;
+mod view;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

@@ -61,7 +61,7 @@ fn noise_layer(film: &Film) -> Layer {
 
 /// What the picture follows from. Nothing in it differs between two runs of the
 /// same render, so that their files are equal.
-fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
+pub(super) fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
     let settings = &outcome.job.settings;
     let number = |value: u32| Attribute::Number(value.into());
     let text = |value: &str| Attribute::Text(value.into());
@@ -103,7 +103,7 @@ fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
     all.into_iter().map(|(name, value)| (format!("steradian.{name}"), value)).collect()
 }
 
-fn as_text(value: Attribute) -> String {
+pub(super) fn as_text(value: Attribute) -> String {
     match value {
         Attribute::Text(text) => text,
         Attribute::Number(number) => number.to_string(),

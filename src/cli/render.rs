@@ -7,18 +7,19 @@ use super::progress::{Progress, while_busy};
 use super::report::{self, Outcome};
 use super::signals::StopRequest;
 use super::talk::Verbosity;
-use super::{output, reference, stats};
+use super::{output, reference, stats, view};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 use steradian::gpu::Device;
+use steradian::view::Source;
 use steradian::{Error, Renderer, Result};
 
 /// One call of `steradian render`.
 pub(super) struct Call<'a> {
     start: Instant,
-    flags: &'a RenderFlags,
-    destinations: Destinations,
+    pub(super) flags: &'a RenderFlags,
+    pub(super) destinations: Destinations,
     pub(super) verbosity: Verbosity,
 }
 
@@ -28,8 +29,12 @@ pub(super) fn run(flags: &RenderFlags) -> Result<ExitCode> {
     let verbosity = flags.verbosity();
     let destinations = Destinations::check(flags)?;
     let call = Call { start, flags, destinations, verbosity };
+    view::check(flags)?;
     use_threads(flags.threads)?;
     let job = while_busy(verbosity, "reading the scene", || Job::new(&flags.scene, &flags.job))?;
+    if let Some(view) = flags.job.picture.view.filter(|view| view.source() == Source::FirstHits) {
+        return view::run(&call, &job, view);
+    }
     if job.is_reference { reference::run(&call, &job) } else { run_on_device(&call, &job) }
 }
 
@@ -63,25 +68,29 @@ fn run_on_device(call: &Call, job: &Job) -> Result<ExitCode> {
 impl Call<'_> {
     /// Writes the files and says what came of it.
     pub(super) fn conclude(&self, outcome: &Outcome) -> Result<ExitCode> {
-        write(self.flags, &self.destinations, outcome)?;
+        self.write(outcome)?;
         report::outcome(self.verbosity, outcome, &self.destinations, self.start.elapsed());
         Ok(outcome.stop_code.map_or(ExitCode::SUCCESS, ExitCode::from))
     }
-}
 
-fn write(flags: &RenderFlags, destinations: &Destinations, outcome: &Outcome) -> Result<()> {
-    if let Some(picture) = &destinations.picture {
-        output::write(picture, outcome)?;
-    }
-    if let Some(path) = &destinations.sample_map {
-        output::write_sample_map(path, flags.sample_map_colors, outcome)?;
-    }
-    if let Some(path) = &destinations.stats {
-        stats::write(path, outcome)?;
-    }
-    match flags.job.picture.pixel {
-        Some(pixel) => output::print_pixel((pixel.x, pixel.y), outcome),
-        None => Ok(()),
+    fn write(&self, outcome: &Outcome) -> Result<()> {
+        let (flags, destinations) = (self.flags, &self.destinations);
+        if let Some(picture) = &destinations.picture {
+            match flags.job.picture.view {
+                Some(view) => view::write_of_film(self, picture, view, outcome)?,
+                None => output::write(picture, outcome)?,
+            }
+        }
+        if let Some(path) = &destinations.sample_map {
+            output::write_sample_map(path, flags.sample_map_colors, outcome)?;
+        }
+        if let Some(path) = &destinations.stats {
+            stats::write(path, outcome)?;
+        }
+        match flags.job.picture.pixel {
+            Some(pixel) => output::print_pixel((pixel.x, pixel.y), outcome),
+            None => Ok(()),
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use std::time::Duration;
 use steradian::image::ToneCurve;
 use steradian::settings::{Accel, Crop, Sampler, Strategy};
+use steradian::view::View;
 
 /// Largest width and height of a picture.
 pub(super) const MAX_SIDE: u32 = 65535;
@@ -42,6 +43,21 @@ pub(super) const TONE_CURVES: &[Word<ToneCurve>] = &[
     ("neutral", ToneCurve::Neutral, "Khronos PBR Neutral"),
     ("agx", ToneCurve::Agx, "AgX, base look"),
     ("aces", ToneCurve::Aces, "ACES, Hill's fit"),
+];
+
+/// Words of `--view`.
+pub(super) const VIEWS: &[Word<View>] = &[
+    ("normals", View::Normals, "shading normals"),
+    ("geometric-normals", View::GeometricNormals, "normals of the triangles and spheres"),
+    ("albedo", View::Albedo, "base colours"),
+    ("depth", View::Depth, "distance along the ray"),
+    ("uv", View::Uv, "texture coordinates"),
+    ("material", View::Material, "a colour for each material"),
+    ("node-visits", View::NodeVisits, "nodes and primitives that a ray visits"),
+    ("sample-count", View::SampleCount, "samples of each pixel"),
+    ("standard-error", View::StandardError, "standard error relative to the mean"),
+    ("stop-reason", View::StopReason, "why pixels have no more samples"),
+    ("non-finite", View::NonFinite, "samples that are not finite or at fault otherwise"),
 ];
 
 /// The word for a value.

@@ -5,6 +5,8 @@ mod block_means;
 
 use crate::image::Picture;
 use crate::settings::Crop;
+#[cfg(doc)]
+use crate::shader::generated::Fault;
 use crate::shader::generated::StopReason;
 use block_means::BlockMeans;
 pub(crate) use block_means::{RUNS, runs};
@@ -22,6 +24,8 @@ pub struct Film {
     sample_count: Vec<u32>,
     means: Vec<BlockMeans>,
     stops: Option<Vec<PixelStop>>,
+    /// Samples at fault of every pixel, by cause; `None` while there are none.
+    faults: Option<Vec<[u32; 4]>>,
 }
 
 /// Why a pixel of an adaptive render has no more samples.
@@ -68,6 +72,7 @@ impl Film {
             sample_count: vec![0; count],
             means: vec![BlockMeans::default(); count],
             stops: None,
+            faults: None,
         }
     }
 
@@ -114,6 +119,23 @@ impl Film {
     /// How every pixel ended, row by row; `None` where all have as many samples.
     pub fn stops(&self) -> Option<&[PixelStop]> {
         self.stops.as_deref()
+    }
+
+    /// Adds samples at fault of a pixel, in the order of [`Fault::ALL`].
+    pub fn add_faults(&mut self, x: u32, y: u32, counts: [u32; 4]) {
+        if counts == [0; 4] {
+            return;
+        }
+        let i = y as usize * self.window.width as usize + x as usize;
+        let faults = self.faults.get_or_insert_with(|| vec![[0; 4]; self.sum.len()]);
+        for (total, count) in faults[i].iter_mut().zip(counts) {
+            *total += count;
+        }
+    }
+
+    /// Samples at fault of every pixel, in the order of [`Fault::ALL`]; `None` where no sample is.
+    pub fn faults(&self) -> Option<&[[u32; 4]]> {
+        self.faults.as_deref()
     }
 
     /// Mean radiance of every pixel.

@@ -23,7 +23,7 @@ pub use pipeline::{Kernel, validate};
 pub use readback::Readback;
 pub use scene::{GpuScene, SceneBuffers};
 pub use types::{
-    GpuCamera, GpuDispatch, GpuFilmPixel, GpuFrame, GpuLight, GpuMaterial, GpuStopping, GpuTally,
-    layouts,
+    GpuCamera, GpuDispatch, GpuFilmPixel, GpuFirstHit, GpuFrame, GpuLight, GpuMaterial,
+    GpuStopping, GpuTally, layouts,
 };
 pub use world::{TreeWidth, World, WorldStatistics};

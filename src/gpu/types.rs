@@ -73,6 +73,25 @@ gpu_struct! {
 }
 
 gpu_struct! {
+    /// `first_hit.wgsl`.
+    "FirstHit" GpuFirstHit {
+        shading_normal: [f32; 3],
+        depth: f32,
+        geometric_normal: [f32; 3],
+        hit_count: u32,
+        albedo: [f32; 3],
+        ray_count: u32,
+        uv: [f32; 2],
+        material: u32,
+        node_visits: u32,
+        primitive_visits: u32,
+        faults: u32,
+        padding_0: u32,
+        padding_1: u32,
+    }
+}
+
+gpu_struct! {
     /// `stopping/tally.wgsl`.
     "Tally" GpuTally {
         mean: f32,
@@ -170,6 +189,7 @@ pub fn layouts() -> Vec<StructLayout> {
         GpuCamera::layout(),
         GpuFrame::layout(),
         GpuFilmPixel::layout(),
+        GpuFirstHit::layout(),
         GpuTally::layout(),
         GpuStopping::layout(),
         GpuDispatch::layout(),

@@ -87,9 +87,8 @@ impl RenderStatistics {
         if block.fault_counts == 0 {
             return;
         }
-        for cause in Fault::ALL {
-            let count = block.fault_counts >> (8 * cause as u32) & 0xFF;
-            self.faults[cause as usize] += u64::from(count);
+        for (total, count) in self.faults.iter_mut().zip(fault_counts(block)) {
+            *total += u64::from(count);
         }
         self.first_fault.get_or_insert(FaultLocation {
             pixel: at,
@@ -98,6 +97,11 @@ impl RenderStatistics {
             material: valid(block.fault_material),
         });
     }
+}
+
+/// Samples of a block with a fault, in the order of [`Fault::ALL`].
+pub(super) fn fault_counts(block: &GpuFilmPixel) -> [u32; 4] {
+    Fault::ALL.map(|cause| block.fault_counts >> (8 * cause as u32) & 0xFF)
 }
 
 /// What a shader's index says.

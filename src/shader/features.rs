@@ -87,6 +87,8 @@ features! {
     Adaptive = "ADAPTIVE",
     /// They stop by the seed's rule, which looks at single samples.
     SeedRule = "SEED_RULE",
+    /// Traversals count what they visit.
+    VisitCounts = "VISIT_COUNTS",
 }
 
 impl Feature {
@@ -112,6 +114,7 @@ impl Feature {
                 | Sobol
                 | Adaptive
                 | SeedRule
+                | VisitCounts
         )
     }
 }

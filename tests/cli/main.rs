@@ -8,6 +8,7 @@ mod reference;
 mod scene;
 mod signals;
 mod stopping;
+mod views;
 
 use serde_json::Value;
 use std::ffi::OsStr;

@@ -1,0 +1,137 @@
+//! `steradian render --view`: something else than light.
+
+use super::destination::Picture;
+use super::flags::RenderFlags;
+use super::job::Job;
+use super::output::{as_text, metadata};
+use super::progress::while_busy;
+use super::render::Call;
+use super::report::{self, Outcome};
+use super::talk;
+use super::values::{SAMPLERS, VIEWS, word_for};
+use std::process::ExitCode;
+use steradian::gpu::Device;
+use steradian::image::{
+    Attribute, ExrImage, OutputFormat, PngOptions, Precision, write_exr, write_png,
+};
+use steradian::passes::Tuning;
+use steradian::renderer::first_hits;
+use steradian::settings::Crop;
+use steradian::view::{Source, View, ViewPicture, of_film, of_first_hits};
+use steradian::{Error, Result};
+
+/// Rays of a pixel, unless `--spp` says otherwise.
+const DEFAULT_RAYS: u32 = 16;
+
+/// That the other flags go with the view.
+pub(super) fn check(flags: &RenderFlags) -> Result<()> {
+    let Some(view) = flags.job.picture.view else { return Ok(()) };
+    let word = word_for(VIEWS, &view);
+    let stopping = &flags.job.stopping;
+    if view == View::StopReason && stopping.rule().is_none() {
+        let message = format!("--view {word}: needs --noise or --adaptive, or nothing stops early");
+        return Err(Error::Settings(message));
+    }
+    let of_render = [
+        ("--stats", flags.stats.is_some()),
+        ("--sample-map", flags.sample_map.is_some()),
+        ("--time", stopping.time.is_some()),
+        ("--noise and --adaptive", stopping.rule().is_some()),
+        ("--reference", flags.job.sampling.reference),
+    ];
+    match of_render.iter().find(|(_, is_given)| *is_given) {
+        Some((flag, _)) if view.source() == Source::FirstHits => Err(Error::Settings(format!(
+            "--view {word}: camera rays are traced and nothing is rendered, {flag} has no meaning"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Traces camera rays and writes the view of what they meet.
+pub(super) fn run(call: &Call, job: &Job, view: View) -> Result<ExitCode> {
+    let verbosity = call.verbosity;
+    let device = Device::open(call.flags.device.as_deref())?;
+    let info = device.info();
+    report::job(verbosity, job, &format!("{} {} ({})", info.index, info.name, info.driver));
+    let rays = call.flags.job.stopping.spp.unwrap_or(DEFAULT_RAYS);
+    let tuning = Tuning::default();
+    let hits = while_busy(verbosity, "building trees, tracing camera rays", || {
+        let mut hits =
+            first_hits(&device, &job.scene, &job.settings, view == View::NodeVisits, &tuning)?;
+        hits.run(&device, rays)?;
+        Ok(hits)
+    })?;
+    let window = hits.window();
+    let faulty = hits.hits().iter().filter(|hit| hit.faults != 0).count();
+    if faulty > 0 {
+        talk::line(&format!("warning: the walk failed for rays of {faulty} pixels"));
+    }
+    let Some(shown) = of_first_hits(view, hits.hits(), (window.width, window.height)) else {
+        return Err(no_numbers(view));
+    };
+    let text = |value: &str| Attribute::Text(value.into());
+    let entries = [
+        ("version", text(env!("CARGO_PKG_VERSION"))),
+        ("scene", text(&job.scene.name)),
+        ("device", text(&info.name)),
+        ("driver", text(&info.driver)),
+        ("spp", Attribute::Number(rays.into())),
+        ("seed", Attribute::Number(job.settings.seed.into())),
+        ("sampler", text(word_for(SAMPLERS, &job.settings.sampler))),
+        ("camera", text(&job.scene.cameras[job.settings.camera].name)),
+    ];
+    let entries = entries.map(|(name, value)| (format!("steradian.{name}"), value));
+    let Some(picture) = &call.destinations.picture else { return Ok(ExitCode::SUCCESS) };
+    write(picture, view, shown, entries.into(), (job.settings.resolution, window), &|line| {
+        verbosity.say(line);
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the view of a render.
+pub(super) fn write_of_film(
+    call: &Call,
+    picture: &Picture,
+    view: View,
+    outcome: &Outcome,
+) -> Result<()> {
+    let film = outcome.film;
+    let limit = outcome.job.requested_spp.unwrap_or(film.most_samples());
+    let shown = of_film(view, film, limit).ok_or_else(|| no_numbers(view))?;
+    let place = (outcome.job.settings.resolution, film.window());
+    write(picture, view, shown, metadata(outcome), place, &|line| call.verbosity.say(line))
+}
+
+fn no_numbers(view: View) -> Error {
+    let word = word_for(VIEWS, &view);
+    Error::Settings(format!("--view {word}: not known after so few samples; give a larger --spp"))
+}
+
+/// `resolution` of the whole picture, and the part that there is.
+fn write(
+    picture: &Picture,
+    view: View,
+    shown: ViewPicture,
+    mut metadata: Vec<(String, Attribute)>,
+    (resolution, window): ((u32, u32), Crop),
+    say: &dyn Fn(&str),
+) -> Result<()> {
+    say(&shown.legend);
+    let entry =
+        |name: &str, value: &str| (format!("steradian.{name}"), Attribute::Text(value.into()));
+    metadata.push(entry("view", word_for(VIEWS, &view)));
+    metadata.push(entry("legend", &shown.legend));
+    match picture.format {
+        OutputFormat::Png => {
+            let text = metadata.into_iter().map(|(name, value)| (name, as_text(value))).collect();
+            let options = PngOptions { depth: picture.depth, text, ..PngOptions::default() };
+            write_png(&picture.path, &shown.picture, &options)
+        }
+        OutputFormat::Exr => {
+            let mut image = ExrImage::from_crop(&shown.picture, resolution, window);
+            image.layers = vec![shown.layer];
+            image.metadata = metadata.into_iter().collect();
+            write_exr(&picture.path, &image, Precision::Float)
+        }
+    }
+}
