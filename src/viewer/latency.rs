@@ -1,6 +1,7 @@
 //! How long a person waits: from input to the frame of the window that shows it was heard, and to
 //! the picture that obeys it.
 
+use super::wish::Frame;
 use serde::Serialize;
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -14,6 +15,7 @@ pub(super) struct Latency {
     wishes: VecDeque<(u64, Instant)>,
     window: Vec<f64>,
     picture: Vec<f64>,
+    compiled: Vec<f64>,
     first_window: Option<f64>,
     first_picture: Option<f64>,
     first_whole: Option<f64>,
@@ -41,6 +43,8 @@ pub(super) struct LatencyReport {
     input_to_window: Option<Waits>,
     /// From input that changes the picture to the first picture that is changed.
     input_to_picture: Option<Waits>,
+    /// The same where a kernel had to be compiled first; the window says so meanwhile.
+    input_to_picture_with_compilation: Option<Waits>,
 }
 
 impl Latency {
@@ -51,6 +55,7 @@ impl Latency {
             wishes: VecDeque::new(),
             window: Vec::new(),
             picture: Vec::new(),
+            compiled: Vec::new(),
             first_window: None,
             first_picture: None,
             first_whole: None,
@@ -69,38 +74,43 @@ impl Latency {
 
     /// A wish was sent.
     pub(super) fn asked(&mut self, serial: u64) {
+        // The first wish comes with the scene, from nobody.
+        if self.input.is_none() && serial == 1 {
+            return;
+        }
         self.wishes.push_back((serial, self.input.unwrap_or_else(Instant::now)));
     }
 
-    /// A frame is on the display; `picture`: the wish that the picture in it obeys, and whether it
-    /// has every pixel.
-    pub(super) fn presented(&mut self, picture: Option<(u64, bool)>) {
+    /// A frame of the window is on the display, with this picture.
+    pub(super) fn presented(&mut self, picture: Option<&Frame>) {
         let since = |start: &Instant| start.elapsed().as_secs_f64();
         self.first_window.get_or_insert_with(|| since(&self.start));
         self.window.extend(self.input.take().as_ref().map(since));
-        let Some((obeyed, is_whole)) = picture else { return };
+        let Some(frame) = picture else { return };
         self.first_picture.get_or_insert_with(|| since(&self.start));
-        if is_whole {
+        if frame.scale == 1 && frame.is_whole {
             self.first_whole.get_or_insert_with(|| since(&self.start));
         }
         while let Some((serial, asked)) = self.wishes.front() {
-            if *serial > obeyed {
+            if *serial > frame.wish {
                 break;
             }
-            self.picture.push(since(asked));
+            match frame.has_compiled {
+                true => self.compiled.push(since(asked)),
+                false => self.picture.push(since(asked)),
+            }
             self.wishes.pop_front();
         }
     }
 
     pub(super) fn report(&self) -> LatencyReport {
-        // The first wish comes with the scene, from nobody.
-        let asked = self.picture.get(1..).unwrap_or_default();
         LatencyReport {
             first_window_seconds: self.first_window,
             first_picture_seconds: self.first_picture,
             first_whole_picture_seconds: self.first_whole,
             input_to_window: waits(&self.window),
-            input_to_picture: waits(asked),
+            input_to_picture: waits(&self.picture),
+            input_to_picture_with_compilation: waits(&self.compiled),
         }
     }
 }
@@ -124,6 +134,9 @@ fn waits(seconds: &[f64]) -> Option<Waits> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Arc;
+    use steradian::scene::Camera;
+    use steradian::settings::Crop;
 
     #[test]
     fn quantiles_are_values_that_occurred() {
@@ -134,22 +147,37 @@ mod tests {
         assert_eq!(waits(&[0.002]).unwrap().most_ms, 2.0);
     }
 
+    fn frame(wish: u64, has_compiled: bool) -> Frame {
+        Frame {
+            size: [1, 1],
+            rgba: Arc::new(vec![[0; 4]]),
+            serial: wish,
+            camera: Camera::framing(Default::default()),
+            wish,
+            scale: 1,
+            window: Crop { x: 0, y: 0, width: 1, height: 1 },
+            resolution: (1, 1),
+            is_whole: true,
+            has_compiled,
+        }
+    }
+
     #[test]
     fn a_wait_ends_with_the_picture_that_obeys() {
         let mut latency = Latency::new();
         latency.asked(1);
-        latency.presented(Some((1, false)));
+        latency.presented(Some(&frame(1, true)));
         latency.input();
         latency.asked(2);
         latency.input();
         latency.asked(3);
-        latency.presented(Some((1, true)));
+        latency.presented(Some(&frame(1, false)));
         assert!(latency.report().input_to_picture.is_none());
-        latency.presented(Some((2, true)));
-        assert_eq!(latency.report().input_to_picture.unwrap().count, 1);
-        latency.presented(Some((7, true)));
+        latency.presented(Some(&frame(2, true)));
+        assert_eq!(latency.report().input_to_picture_with_compilation.unwrap().count, 1);
+        latency.presented(Some(&frame(7, false)));
         let report = latency.report();
-        assert_eq!(report.input_to_picture.unwrap().count, 2);
+        assert_eq!(report.input_to_picture.unwrap().count, 1);
         assert_eq!(report.input_to_window.unwrap().count, 1);
         assert!(report.first_whole_picture_seconds >= report.first_picture_seconds);
     }

@@ -464,6 +464,7 @@ fn frames_become_the_texture() {
         window,
         resolution: (2, 1),
         is_whole: true,
+        has_compiled: false,
     };
     link.tell(|report| report.frame = Some(frame));
     harness.run_steps(1);

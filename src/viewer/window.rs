@@ -151,8 +151,7 @@ impl<F: Fn() -> bool> Shell<'_, F> {
         open.draw(self.app);
         let shown = self.app.canvas.shown.as_ref();
         let is_first = self.app.latency.is_new();
-        let picture = shown.map(|f| (f.wish, f.scale == 1 && f.is_whole));
-        self.app.latency.presented(picture);
+        self.app.latency.presented(shown);
         if is_first {
             crate::cli::talk::line("window open");
         }

@@ -152,6 +152,8 @@ pub(super) struct Frame {
     pub(super) resolution: (u32, u32),
     /// Whether every pixel has a sample of its own.
     pub(super) is_whole: bool,
+    /// Whether a kernel had to be compiled for it.
+    pub(super) has_compiled: bool,
 }
 
 /// A line for the person.

@@ -20,7 +20,13 @@ pub(super) struct Developed {
 
 impl Default for Developed {
     fn default() -> Self {
-        Self { newest: None, backdrop: None, overlay: None, is_overlay_whole: false, next: Instant::now() }
+        Self {
+            newest: None,
+            backdrop: None,
+            overlay: None,
+            is_overlay_whole: false,
+            next: Instant::now(),
+        }
     }
 }
 

@@ -79,6 +79,8 @@ pub(super) struct Engine {
     steps: u32,
     developed: Developed,
     glance: Option<Glance>,
+    /// The next picture had to wait for a kernel.
+    has_compiled: bool,
     /// Samples per second, for the size of pictures in motion.
     samples_per_second: f64,
     losses: Losses,
@@ -114,6 +116,7 @@ impl Engine {
             steps: 0,
             developed: Developed::default(),
             glance: None,
+            has_compiled: false,
             samples_per_second: 1e5,
             losses: Losses::default(),
             message_count: 0,

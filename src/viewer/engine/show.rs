@@ -11,6 +11,8 @@ use steradian::{RenderSettings, Renderer, Result};
 
 /// Seconds that a picture in motion should take.
 const MOTION_SECONDS: f64 = 0.06;
+/// Buffers and a kernel that is there take less.
+const COMPILE_SECONDS: f64 = 0.25;
 /// Then what there is of it is shown.
 const MOTION_LIMIT: Duration = Duration::from_millis(120);
 
@@ -102,6 +104,7 @@ impl Engine {
         let scale = self.coarseness(&stage.job.settings, 1.0);
         let settings = in_motion(&stage.job.settings, scale);
         let mut renderer = stage.renderer(&settings, &self.tuning)?;
+        self.has_compiled = renderer.statistics().compile_seconds > COMPILE_SECONDS;
         let deadline = Instant::now() + MOTION_LIMIT;
         while renderer.step()? && Instant::now() < deadline {}
         let preview = renderer.preview()?;
@@ -130,14 +133,25 @@ impl Engine {
         let Some((size, rgba)) = self.developed.develop(&wish.display) else { return };
         let camera = wish.camera.clone();
         let is_whole = self.developed.is_whole();
+        let has_compiled = std::mem::take(&mut self.has_compiled);
         let legend = self.developed.overlay.as_ref().map(|view| view.legend.clone());
         let (window, resolution) = (wish.settings.window(), wish.settings.resolution);
         self.link.tell(|report| {
             let serial = report.frame.as_ref().map_or(0, |f| f.serial) + 1;
             let rgba = Arc::new(rgba);
             let wish = wish_serial;
-            let frame =
-                Frame { size, rgba, serial, camera, wish, scale, window, resolution, is_whole };
+            let frame = Frame {
+                size,
+                rgba,
+                serial,
+                camera,
+                wish,
+                scale,
+                window,
+                resolution,
+                is_whole,
+                has_compiled,
+            };
             report.frame = Some(frame);
             report.legend = legend;
             change(report);
