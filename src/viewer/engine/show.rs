@@ -10,11 +10,11 @@ use steradian::renderer::Preview;
 use steradian::{RenderSettings, Renderer, Result};
 
 /// Seconds that a picture in motion should take.
-const MOTION_SECONDS: f64 = 0.06;
+const MOTION_SECONDS: f64 = 0.04;
 /// Buffers and a kernel that is there take less.
 const COMPILE_SECONDS: f64 = 0.25;
 /// Then what there is of it is shown.
-const MOTION_LIMIT: Duration = Duration::from_millis(120);
+const MOTION_LIMIT: Duration = Duration::from_millis(80);
 
 impl Engine {
     /// Shows the render as it stands.
