@@ -109,6 +109,7 @@ struct Stats<'a> {
     version: &'a str,
     scene: Option<&'a str>,
     device: &'a str,
+    driver: &'a str,
     /// Of the picture at the end, pixels.
     resolution: Option<(u32, u32)>,
     /// Where it was in the window, pixels: left, top, right, bottom.
@@ -125,6 +126,7 @@ fn write_stats(path: &Path, app: &App) -> Result<()> {
         version: env!("CARGO_PKG_VERSION"),
         scene: report.scene.as_ref().map(|s| s.name.as_str()),
         device: &report.device,
+        driver: &report.driver,
         resolution: app.wish.as_ref().map(|w| w.settings.resolution),
         picture_edges: app.canvas.pixels,
         latency: app.latency.report(),

@@ -3,43 +3,41 @@
 use super::app::App;
 use super::wish::{Phase, Progress, Report};
 use crate::cli::talk::{duration, with_prefix};
-use egui::{Color32, RichText, Ui};
+use egui::{Align, Color32, Layout, RichText, Ui};
 
-/// Draws it.
+/// Draws it: the device at the right, what is left for the rest.
 pub(super) fn show(ui: &mut Ui, app: &App, report: &Report) {
-    ui.horizontal(|ui| {
-        let (word, color) = match report.phase {
-            Phase::Empty => ("no scene", Color32::from_gray(140)),
-            Phase::Rendering => ("rendering", Color32::from_rgb(120, 170, 235)),
-            Phase::Paused => ("paused", Color32::from_rgb(225, 180, 90)),
-            Phase::Done => ("done", Color32::from_rgb(120, 200, 130)),
-            Phase::Failed => ("stopped", ui.visuals().error_fg_color),
-        };
-        ui.colored_label(color, word);
-        if app.scene.is_some() {
-            ui.separator();
-            ui.label(line(&report.progress));
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let device = RichText::new(&report.device).weak();
+        ui.label(device).on_hover_text(format!("{}, {}", report.device, report.driver));
+        if report.is_software {
+            let hint = "This device is software on the processor: a graphics card would be many \
+                        times faster.";
+            ui.colored_label(ui.visuals().warn_fg_color, "software renderer").on_hover_text(hint);
         }
-        if let Some(message) = app.fresh_message() {
-            ui.separator();
-            let color = match message.is_error {
-                true => ui.visuals().error_fg_color,
-                false => Color32::from_gray(200),
-            };
-            // Errors are long; all of it is a hover away.
-            let label = egui::Label::new(RichText::new(&message.text).color(color)).truncate();
-            ui.add(label).on_hover_text(&message.text);
-        }
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.add(egui::Label::new(RichText::new(&report.device).weak()).truncate());
-            if report.is_software {
-                let hint = "This device is software on the processor: a graphics card would be \
-                    many times faster.";
-                let color = Color32::from_rgb(225, 180, 90);
-                ui.colored_label(color, "software renderer").on_hover_text(hint);
-            }
-        });
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| progress(ui, app, report));
     });
+}
+
+fn progress(ui: &mut Ui, app: &App, report: &Report) {
+    let (word, color) = match report.phase {
+        Phase::Empty => ("no scene", Color32::from_gray(140)),
+        Phase::Rendering => ("rendering", Color32::from_rgb(120, 170, 235)),
+        Phase::Paused => ("paused", ui.visuals().warn_fg_color),
+        Phase::Done => ("done", Color32::from_rgb(120, 200, 130)),
+        Phase::Failed => ("stopped", ui.visuals().error_fg_color),
+    };
+    ui.colored_label(color, word);
+    ui.separator();
+    // What does not fit is a hover away. A message is worth more than figures.
+    let (text, color) = match app.fresh_message() {
+        Some(message) if message.is_error => (message.text.clone(), ui.visuals().error_fg_color),
+        Some(message) => (message.text.clone(), Color32::from_gray(225)),
+        None if app.scene.is_some() => (line(&report.progress), ui.visuals().text_color()),
+        None => return,
+    };
+    let label = egui::Label::new(RichText::new(&text).color(color)).truncate();
+    ui.add(label).on_hover_text(text);
 }
 
 /// Samples, time, speed, and how good the picture is.
@@ -59,10 +57,8 @@ fn line(p: &Progress) -> String {
         parts.push(format!("{:.1} % converged", 100.0 * share));
     }
     if let Some(relmse) = p.relmse {
-        parts.push(format!(
-            "relMSE {relmse:.1e}, about {} % per pixel",
-            with_prefix(100.0 * relmse.sqrt())
-        ));
+        let percent = with_prefix(100.0 * relmse.sqrt());
+        parts.push(format!("relMSE {relmse:.1e} ({percent} %)"));
     }
     parts.join("   ")
 }
@@ -85,6 +81,6 @@ mod tests {
         p.converged = Some(0.25);
         p.relmse = Some(1e-4);
         assert!(line(&p).starts_with("4 to 8 spp"));
-        assert!(line(&p).ends_with("25.0 % converged   relMSE 1.0e-4, about 1 % per pixel"));
+        assert!(line(&p).ends_with("25.0 % converged   relMSE 1.0e-4 (1 %)"));
     }
 }

@@ -329,7 +329,8 @@ fn reports_are_shown() {
     for label in ["done", "software renderer", "broken.gltf: no scene"] {
         harness.get_by_label(label);
     }
-    assert_eq!(harness.query_all_by_label_contains("16 spp").count(), 1);
+    // A message is worth more than figures, for a while.
+    assert_eq!(harness.query_all_by_label_contains("16 spp").count(), 0);
 }
 
 /// The picture that a double click asks about is the one under the cursor.

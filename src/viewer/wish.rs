@@ -184,8 +184,10 @@ pub(super) struct Report {
     pub(super) progress: Progress,
     /// The newest message.
     pub(super) message: Option<Message>,
-    /// Name and driver of the device.
+    /// Name of the device.
     pub(super) device: String,
+    /// Its driver's name and version.
+    pub(super) driver: String,
     /// Whether it is software on the processor.
     pub(super) is_software: bool,
     /// The number of a wish that cannot be, and the one that is followed instead.

@@ -327,11 +327,13 @@ impl Engine {
     fn open_device(&mut self) -> Result<()> {
         let device = Device::open(self.options.device.as_deref())?;
         let info = device.info();
-        let name = format!("{} ({})", info.name, info.driver);
+        let (name, driver) = (info.name.clone(), info.driver.clone());
         let is_software = info.kind == DeviceKind::Cpu;
         self.samples_per_second = if is_software { 1e5 } else { 2e7 };
         self.device = Some(Arc::new(device));
-        self.link.tell(|report| (report.device, report.is_software) = (name, is_software));
+        self.link.tell(|report| {
+            (report.device, report.driver, report.is_software) = (name, driver, is_software);
+        });
         Ok(())
     }
 }
