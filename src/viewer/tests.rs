@@ -352,6 +352,19 @@ fn a_double_click_picks_a_pixel() {
 }
 
 #[test]
+fn a_refused_wish_is_given_up_once() {
+    let (mut harness, link) = open(SMALL);
+    let (good, _) = news(&link);
+    press(&mut harness, Key::H, Modifiers::NONE);
+    let serial = link.news(Duration::ZERO).wish.unwrap().0;
+    link.tell(|report| report.refused = Some((serial, Some(Arc::new(good.clone())))));
+    harness.run_steps(2);
+    assert_eq!(news(&link).0, good);
+    press(&mut harness, Key::H, Modifiers::NONE);
+    assert_ne!(news(&link).0, good);
+}
+
+#[test]
 fn what_was_picked_is_the_pivot_and_in_focus() {
     let (mut harness, link) = open(SMALL);
     let (first, _) = news(&link);
