@@ -18,8 +18,8 @@ const LOBE: Defect =
     ("bsdf/smooth", "    return pdf;", "    return select(1.0, 1.02, DEFECT) * pdf;");
 const TRIANGLE: Defect = (
     "light/triangle",
-    "select(l.pmf * d2 / projected,",
-    "select(select(1.0, 1.02, DEFECT) * l.pmf * d2 / projected,",
+    "select(l.pmf * d * d / projected,",
+    "select(select(1.0, 1.02, DEFECT) * l.pmf * d * d / projected,",
 );
 const SPHERE: Defect = (
     "light/sphere",
