@@ -6,6 +6,7 @@
 //! lights and cameras are in world space.
 
 mod camera;
+mod content_hash;
 mod environment;
 pub mod gltf;
 mod light;
