@@ -16,7 +16,7 @@
 //! well they keep their word. [`renderer::Renderer`] is the whole in steps; [`image`] writes
 //! pictures. [`reference`](mod@reference) computes the same in another way, for tests to compare
 //! with. [`statistics`] knows numbers only; the comparison of pictures, [`image::compare`],
-//! stands on it. Modules earlier in the drawing never use later ones, and `scene`, `bvh`, `shader`,
+//! stands on it. [`testing`] is for image tests of any renderer. Modules earlier in the drawing never use later ones, and `scene`, `bvh`, `shader`,
 //! `image`, `statistics`, `stopping` and `reference` do not know wgpu.
 
 pub mod bvh;
@@ -33,6 +33,7 @@ pub mod settings;
 pub mod shader;
 pub mod statistics;
 pub mod stopping;
+pub mod testing;
 
 pub use error::{Error, Result};
 pub use renderer::Renderer;
