@@ -14,7 +14,7 @@ STUDY ?=
 BENCH_SCENE ?= scenes/cornell-spheres/cornell-spheres.gltf
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-viewer numerics gallery scenes bench lint fmt-check clean
+.PHONY: help setup demo test test-viewer test-report compare-study numerics gallery scenes bench lint fmt-check clean
 
 help: ## List the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
@@ -33,6 +33,13 @@ test: setup ## Run all tests, the window's among them
 
 test-viewer: setup ## Open the real window on a display of its own, drive it, look at its pixels
 	tools/test_viewer.sh
+
+test-report: setup ## Click through a report in headless Chromium; needs Node.js
+	$(CARGO) build --release
+	tools/test_report.sh target/release/steradian
+
+compare-study: setup ## Measure anew what comparisons find, into docs/compare.md
+	$(CARGO) run --release --example detection_power
 
 numerics: setup ## Run the hard cases, long ones too, and write docs/numerics.md
 	@mkdir -p $(OUT)

@@ -14,9 +14,10 @@
 //! WGSL for that. [`gpu`] turns all of it into buffers, [`passes`] run kernels, and
 //! [`film`] holds the sums. [`stopping`] has the rules by which pixels stop, and measures how
 //! well they keep their word. [`renderer::Renderer`] is the whole in steps; [`image`] writes
-//! pictures, and [`view`] makes such of other things than light. [`reference`](mod@reference) computes the same in another way, for tests to compare
-//! with. [`statistics`] knows numbers only; the comparison of pictures, [`image::compare`],
-//! stands on it. Modules earlier in the drawing never use later ones, and `scene`, `bvh`, `shader`,
+//! pictures, and [`view`] makes such of other things than light. [`reference`](mod@reference) computes
+//! the same in another way, for tests to compare with. [`statistics`] knows numbers only; the
+//! comparison of pictures, [`image::compare`], stands on it, and [`testing`] on that: image tests of
+//! any renderer. Modules earlier in the drawing never use later ones, and `scene`, `bvh`, `shader`,
 //! `image`, `statistics`, `stopping` and `reference` do not know wgpu.
 
 pub mod bvh;
@@ -33,6 +34,7 @@ pub mod settings;
 pub mod shader;
 pub mod statistics;
 pub mod stopping;
+pub mod testing;
 pub mod view;
 
 pub use error::{Error, Result};

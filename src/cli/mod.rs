@@ -2,6 +2,8 @@
 //! the work. What was asked for goes to standard output, all else to standard error.
 
 mod bench;
+mod compare;
+mod compare_flags;
 pub(crate) mod destination;
 mod devices;
 pub(crate) mod flags;
@@ -46,6 +48,8 @@ enum Command {
     Bench(Box<flags::BenchFlags>),
     /// Say what is in a scene, and what of it is honoured, approximated or ignored
     Info(flags::InfoFlags),
+    /// Say how far pictures are from each other, and whether that is too far
+    Compare(Box<compare_flags::CompareFlags>),
     /// List the devices that can render
     Devices,
 }
@@ -58,6 +62,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::View(flags) => crate::viewer::run(flags),
         Command::Bench(flags) => bench::run(flags),
         Command::Info(flags) => info::run(flags),
+        Command::Compare(flags) => compare::run(flags),
         Command::Devices => devices::run(),
     }
 }

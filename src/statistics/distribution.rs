@@ -1,6 +1,6 @@
 //! Normal, Student and chi-square distributions, under our names.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, Normal, StudentsT};
 
 /// Degrees of freedom from which a Student variable is mapped to a normal one; below,
 /// the continued fraction of the incomplete beta function converges.
@@ -51,6 +51,17 @@ pub fn student_t_quantile(p: f64, degrees: f64) -> f64 {
 pub fn chi_square_survival(x: f64, degrees: f64) -> f64 {
     let distribution = ChiSquared::new(degrees).expect("degrees of freedom above 0");
     distribution.sf(x)
+}
+
+/// Probability of `count` or more successes in `trials` of probability `p` in [0, 1].
+pub fn binomial_survival(count: usize, trials: usize, p: f64) -> f64 {
+    match count.checked_sub(1) {
+        None => 1.0,
+        Some(less) => {
+            let distribution = Binomial::new(p, trials as u64).expect("a probability");
+            distribution.sf(less as u64)
+        }
+    }
 }
 
 fn student(degrees: f64) -> StudentsT {

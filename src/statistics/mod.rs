@@ -29,8 +29,8 @@ mod quadrature;
 pub use chi_square::{GoodnessOfFit, LEAST_EXPECTED};
 pub use direction_grid::DirectionGrid;
 pub use distribution::{
-    chi_square_survival, normal_cdf, normal_quantile, normal_survival, student_t_cdf,
-    student_t_quantile, student_t_survival,
+    binomial_survival, chi_square_survival, normal_cdf, normal_quantile, normal_survival,
+    student_t_cdf, student_t_quantile, student_t_survival,
 };
 pub use estimate::{Criterion, Estimate, Welch};
 pub use level::{CHANCE, FALSE_ALARM, sidak, wilson_interval};

@@ -2,8 +2,8 @@
 
 use std::f64::consts::{FRAC_2_PI, PI};
 use steradian::statistics::{
-    chi_square_survival, normal_cdf, normal_quantile, normal_survival, sidak, student_t_cdf,
-    student_t_quantile, student_t_survival, wilson_interval,
+    binomial_survival, chi_square_survival, normal_cdf, normal_quantile, normal_survival, sidak,
+    student_t_cdf, student_t_quantile, student_t_survival, wilson_interval,
 };
 
 #[track_caller]
@@ -99,4 +99,19 @@ fn levels_of_many_tests_and_intervals_of_counts() {
         assert_close((p - 0.1).powi(2), z * z * p * (1.0 - p) / 100.0, 1e-10);
     }
     assert!(low < 0.1 && 0.1 < high);
+}
+
+/// The sum of the terms by hand.
+#[test]
+fn the_binomial_distribution() {
+    let (n, p) = (20_i32, 0.05_f64);
+    let mut term = (1.0 - p).powi(n);
+    let mut below = 0.0;
+    for k in 0..=n {
+        let tail = binomial_survival(k as usize, n as usize, p);
+        assert!((tail - (1.0 - below)).abs() < 1e-12, "{k}: {tail}");
+        below += term;
+        term *= f64::from(n - k) / f64::from(k + 1) * p / (1.0 - p);
+    }
+    assert_eq!(binomial_survival(0, 0, p), 1.0);
 }

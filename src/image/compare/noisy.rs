@@ -1,5 +1,6 @@
 //! Pictures that know how uncertain they are.
 
+use super::noise::LUMINANCE;
 use crate::image::Picture;
 
 /// Mean of independent runs, with the variance of that mean in every pixel and channel.
@@ -52,6 +53,27 @@ impl NoisyPicture {
         assert!(runs > 1, "the spread of fewer than two runs");
         let wide = |p: &Picture| p.rgb.iter().map(|c| c.map(f64::from)).collect();
         Self { width, height, mean: wide(mean), variance: wide(variance), runs }
+    }
+
+    /// The mean, rounded to f32.
+    pub fn mean_picture(&self) -> Picture {
+        let rgb = self.mean.iter().map(|c| c.map(|v| v as f32)).collect();
+        Picture::new(self.width, self.height, rgb)
+    }
+
+    /// Variance of the mean luminance of independent runs, which their channels' variances do
+    /// not tell.
+    ///
+    /// # Panics
+    /// As [`NoisyPicture::of_runs`].
+    pub fn luminance_variance(runs: &[Picture]) -> Vec<f64> {
+        let grey = |p: &[f32; 3]| {
+            let luminance: f64 = (0..3).map(|c| LUMINANCE[c] * f64::from(p[c])).sum();
+            [luminance as f32; 3]
+        };
+        let grey = |p: &Picture| Picture::new(p.width, p.height, p.rgb.iter().map(grey).collect());
+        let grey: Vec<Picture> = runs.iter().map(grey).collect();
+        Self::of_runs(&grey).variance.iter().map(|v| v[0]).collect()
     }
 
     /// Degrees of freedom of each variance.
