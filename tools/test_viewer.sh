@@ -15,6 +15,7 @@ if ! command -v Xvfb xdotool import compare convert >/dev/null; then
 fi
 
 cargo build --quiet --bin steradian
+driver=$(command -v xdotool)
 program=$PWD/${CARGO_TARGET_DIR:-target}/debug/steradian
 scene=$PWD/scenes/cornell-box/cornell-box.gltf
 work=$(mktemp -d)
@@ -37,6 +38,11 @@ end() {
 }
 trap end EXIT
 
+# No step of it takes long; without a window it would wait for ever.
+xdotool() {
+    timeout 60 "$driver" "$@"
+}
+
 ok() {
     passed=$((passed + 1))
     echo "ok: $1"
@@ -49,7 +55,7 @@ fail() {
 
 # wait_for LOG TEXT N: until LOG has N lines with TEXT.
 wait_for() {
-    for _ in $(seq 600); do
+    for _ in $(seq 1800); do
         [ "$(grep -c -- "$2" "$1" || true)" -lt "$3" ] || return 0
         kill -0 "$viewer" 2>/dev/null || fail "the window closed before it said '$2'"
         sleep 0.1
