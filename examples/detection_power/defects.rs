@@ -45,6 +45,11 @@ impl Defect {
         }
     }
 
+    /// It spoils finished pictures; the others need renders of their own.
+    pub(crate) fn is_of_picture(self) -> bool {
+        matches!(self, Self::Shift | Self::GammaTwice | Self::BlackPixels)
+    }
+
     /// The scene with a defect in it.
     pub(crate) fn scene(self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();

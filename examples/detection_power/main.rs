@@ -29,7 +29,7 @@ const SIDE: u32 = 32;
 const REFERENCE_RUNS: u32 = 64;
 
 /// How many times the samples of a picture one long render has.
-const LONG: u32 = 32;
+const LONG: u32 = 16;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
@@ -143,16 +143,20 @@ fn study(device: &Arc<Device>, spp: u32, amount: &Amount) -> Result<Study> {
     let mut rows = Vec::new();
     for defect in Defect::ALL {
         eprintln!("{spp} spp: {}", defect.name());
-        let (changed, tuning) = (defect.scene(&scene), defect.tuning());
-        let mut shots = Shots::new(device, &changed, spp, &tuning)?;
-        let mut file = |seed: u32| -> Result<PictureFile> {
-            let mut file = shots.file(seed)?;
-            defect.spoil(&mut file, seed);
-            Ok(file)
+        let count = amount.defective as usize;
+        let (golden, mut files) = if defect.is_of_picture() {
+            (evidence.golden.clone(), clean_files[..count].to_vec())
+        } else {
+            let (changed, tuning) = (defect.scene(&scene), defect.tuning());
+            let mut shots = Shots::new(device, &changed, spp, &tuning)?;
+            let seeds = 2000..2000 + amount.defective;
+            let files = seeds.map(|seed| shots.file(seed)).collect::<Result<Vec<_>>>()?;
+            (shots.file(0)?, files)
         };
-        let same_seed = evidence.judge(&file(0)?, false);
-        let seeds = 2000..2000 + amount.defective;
-        let files: Vec<PictureFile> = seeds.map(file).collect::<Result<_>>()?;
+        let mut same_seed = golden;
+        defect.spoil(&mut same_seed, 0);
+        files.iter_mut().zip(1..).for_each(|(file, seed)| defect.spoil(file, seed));
+        let same_seed = evidence.judge(&same_seed, false);
         let found: Vec<_> = files.iter().map(|file| evidence.judge(file, false)).collect();
         let (bias, visibility) = evidence.visibility(&files);
         let rates = Rates::of(&same_seed, &found, &limits);

@@ -51,15 +51,7 @@ fn compare(flags: &CompareFlags) -> Result<CaseStatus> {
     if !flags.quiet && !prints_json {
         talk::data(&text(&run))?;
     }
-    if let Some(path) = &flags.json {
-        let text = format!("{:#}\n", json(&run));
-        match prints_json {
-            true => talk::data(&text)?,
-            false => write_atomically(path, |file| {
-                std::io::Write::write_all(file, text.as_bytes()).map_err(|e| Error::io(path, e))
-            })?,
-        }
-    }
+    // First the report, which makes its folder: the figures may go there.
     if let Some(path) = &flags.report {
         let options = ReportOptions {
             most_bytes: (f64::from(flags.report_size) * 1e6) as usize,
@@ -70,6 +62,15 @@ fn compare(flags: &CompareFlags) -> Result<CaseStatus> {
         write_report(&path, &run, &options)?;
         if !flags.quiet {
             talk::line(&format!("report: {}", path.display()));
+        }
+    }
+    if let Some(path) = &flags.json {
+        let text = format!("{:#}\n", json(&run));
+        match prints_json {
+            true => talk::data(&text)?,
+            false => write_atomically(path, |file| {
+                std::io::Write::write_all(file, text.as_bytes()).map_err(|e| Error::io(path, e))
+            })?,
         }
     }
     if flags.accept { accept(&run) } else { Ok(status) }

@@ -132,14 +132,14 @@ fn what_is_not_finite_fails_everything() {
         spoilt.rgb[8 * 2 + 5][1] = bad;
         let (good, bad) = (linear(&ramp(8, 4)), linear(&spoilt));
         for (actual, expected) in [(&bad, &good), (&good, &bad), (&bad, &bad)] {
-            let rules = ["mse<1e30", "flip.mean<2", "exact", "different<2"];
-            let rules = rules.iter().filter_map(|rule| rule.parse().ok()).collect::<Vec<_>>();
-            let options = ComparisonOptions { rules: rules[..1].to_vec(), ..Default::default() };
+            let rules = ["mse<1e30", "flip.mean<2", "hdrflip.max<2", "exact", "different<2"];
+            let rules = rules.iter().map(|rule| rule.parse().unwrap()).collect();
+            let options = ComparisonOptions { rules, ..Default::default() };
             let found = Comparison::of(actual, expected, &options).unwrap();
             assert!(!found.passes());
             assert_eq!(found.failures[0].rule, "finite");
             assert!(found.failures[0].finding.contains("G at (5, 2)"), "{:?}", found.failures);
-            assert_eq!(found.failures.len(), 2, "the rule about mse fails too");
+            assert_eq!(found.failures.len(), 6, "every rule fails too: {:?}", found.failures);
             let layer = found.layer("").unwrap();
             assert!(layer.metrics.iter().all(|(_, value)| value.is_nan()));
         }

@@ -107,10 +107,12 @@ fn folders_are_paired_by_name_and_the_worst_comes_first() {
     folder.exr("actual/new.exr", &scaled(0.0), "d");
     folder.exr("expected/lost.exr", &scaled(0.0), "d");
     std::fs::write(folder.path("actual/notes.txt"), b"no picture").unwrap();
-    let output = folder.compare(&["actual", "expected", "--json", "run.json"]);
+    let flags = ["actual", "expected", "--report", "out", "--json", "out/run.json"];
+    let output = folder.compare(&flags);
     assert_eq!(code(&output), 1);
+    assert!(said(&output).contains("report: out/report.html"), "{}", said(&output));
     let json: Value =
-        serde_json::from_slice(&std::fs::read(folder.path("run.json")).unwrap()).unwrap();
+        serde_json::from_slice(&std::fs::read(folder.path("out/run.json")).unwrap()).unwrap();
     let cases = json["cases"].as_array().unwrap().iter();
     let cases: Vec<_> =
         cases.map(|c| (c["name"].as_str().unwrap(), c["status"].as_str().unwrap())).collect();

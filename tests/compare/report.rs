@@ -1,13 +1,14 @@
 //! The report without a browser: that it is whole, safe, and small. `make test-report` clicks
 //! through it.
 
+use crate::common::Random;
 use crate::{picture, ramp};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use steradian::image::compare::report::{ReportOptions, page};
 use steradian::image::compare::{ComparisonOptions, Run};
 use steradian::image::{
-    Attribute, ExrImage, PngOptions, Precision, linear_from_srgb, write_exr, write_png,
+    Attribute, ExrImage, Picture, PngOptions, Precision, linear_from_srgb, write_exr, write_png,
 };
 
 fn data(page: &str) -> Value {
@@ -65,12 +66,10 @@ fn a_page_holds_everything_and_asks_nobody() {
 fn a_report_keeps_to_its_size() {
     let folder = tempfile::tempdir().unwrap();
     let [actual, expected] = folders(folder.path());
-    for k in 0..20_u32 {
-        let noise = |x: u32, y: u32| {
-            let hash = (x * 7919 + y * 104_729 + k).wrapping_mul(2_654_435_769);
-            [hash as f32 / 4e9, (hash << 7) as f32 / 4e9, (hash << 13) as f32 / 4e9]
-        };
-        let picture = picture(256, 256, noise);
+    for k in 0..20 {
+        let mut random = Random(k);
+        let mut pixel = || [0; 3].map(|_| random.unit());
+        let picture = Picture::new(256, 256, (0..256 * 256).map(|_| pixel()).collect());
         for path in [&actual, &expected] {
             let image = ExrImage::from_picture(&picture);
             write_exr(&path.join(format!("{k:02}.exr")), &image, Precision::Half).unwrap();

@@ -1,5 +1,6 @@
 //! Two files compared in every way.
 
+use super::metrics::{FLIP, HDR_FLIP};
 use super::noise::LUMINANCE;
 use super::rule::{Failure, Rule};
 use super::{
@@ -110,7 +111,7 @@ impl Comparison {
         for rule in &rules {
             failures.extend(rule.failures(&layers, verdict.as_ref(), knows_noise)?);
         }
-        let notes = notes(actual, expected);
+        let notes = notes(actual, expected, verdict.is_some());
         Ok(Self { layers, verdict, rules, failures, notes })
     }
 
@@ -192,14 +193,7 @@ fn pair_layers<'a>(
 
 impl LayerComparison {
     fn of(a: &PictureLayer, b: &PictureLayer, window: &Crop, format: OutputFormat) -> Self {
-        let planes = |layer: &'_ PictureLayer| -> Vec<Vec<f32>> {
-            layer.channels.iter().map(|(_, values)| values.clone()).collect()
-        };
-        let (planes_a, planes_b) = (planes(a), planes(b));
-        let slices = |planes: &'_ [Vec<f32>]| planes.iter().map(Vec::len).collect::<Vec<_>>();
-        debug_assert_eq!(slices(&planes_a), slices(&planes_b));
-        let view_a: Vec<&[f32]> = planes_a.iter().map(Vec::as_slice).collect();
-        let view_b: Vec<&[f32]> = planes_b.iter().map(Vec::as_slice).collect();
+        let (view_a, view_b) = (planes(a), planes(b));
         let colors = a.picture(window).zip(b.picture(window)).filter(|_| a.channels.len() == 3);
         let weights = match colors {
             Some(_) => LUMINANCE.to_vec(),
@@ -213,12 +207,13 @@ impl LayerComparison {
         let non_finite = non_finite(&view_a, &view_b, location);
         let mut metrics = Metrics::of(&view_a, &view_b, &weights);
         if non_finite.is_some() {
-            return Self {
-                name: a.name.clone(),
-                metrics: metrics.failed(),
-                non_finite,
-                worst: None,
+            let flips: &[_] = match (&colors, format) {
+                (None, _) => &[],
+                (Some(_), OutputFormat::Png) => &[FLIP],
+                (Some(_), OutputFormat::Exr) => &[FLIP, HDR_FLIP],
             };
+            let metrics = metrics.failed(flips);
+            return Self { name: a.name.clone(), metrics, non_finite, worst: None };
         }
         if let Some((a, b)) = &colors {
             metrics.add_flip(&ldr_flip(a, b));
@@ -233,6 +228,10 @@ impl LayerComparison {
     pub fn title(&self) -> &str {
         if self.name.is_empty() { "colour" } else { &self.name }
     }
+}
+
+fn planes(layer: &PictureLayer) -> Vec<&[f32]> {
+    layer.channels.iter().map(|(_, values)| values.as_slice()).collect()
 }
 
 fn non_finite(
@@ -269,7 +268,7 @@ fn worst(
 }
 
 /// Settings under which the two pictures cannot be the same, or are the same by construction.
-fn notes(actual: &PictureFile, expected: &PictureFile) -> Vec<String> {
+fn notes(actual: &PictureFile, expected: &PictureFile, has_verdict: bool) -> Vec<String> {
     let pair = |name| actual.setting(name).zip(expected.setting(name));
     let mut notes = Vec::new();
     let compared = [
@@ -298,7 +297,7 @@ fn notes(actual: &PictureFile, expected: &PictureFile) -> Vec<String> {
             notes.push(format!("{name}: actual {a}, expected {b}"));
         }
     }
-    if actual.noise.is_some() && pair("seed").is_some_and(|(a, b)| a == b) {
+    if has_verdict && pair("seed").is_some_and(|(a, b)| a == b) {
         notes.push(
             "both have the same seed: they may share their noise, which raises no false alarms, but hides \
              differences that other noise would show"

@@ -48,6 +48,12 @@ fn mean_over_channels(a: &Picture, b: &Picture, term: impl Fn(f64, f64) -> f64) 
     sum / (3 * a.rgb.len()) as f64
 }
 
+/// Names of FLIP's mean, 95th percentile and maximum.
+pub(super) const FLIP: [&str; 3] = ["flip.mean", "flip.p95", "flip.max"];
+
+/// The same for linear radiance.
+pub(super) const HDR_FLIP: [&str; 3] = ["hdrflip.mean", "hdrflip.p95", "hdrflip.max"];
+
 /// Share of the pixels that the trimmed relMSE leaves out.
 const TRIMMED: f64 = 0.001;
 
@@ -124,16 +130,15 @@ impl Metrics {
 
     /// Adds the mean, 95th percentile and maximum of a FLIP map.
     pub(super) fn add_flip(&mut self, flip: &Flip) {
-        let names = match flip.exposures {
-            None => ["flip.mean", "flip.p95", "flip.max"],
-            Some(_) => ["hdrflip.mean", "hdrflip.p95", "hdrflip.max"],
-        };
+        let names = if flip.exposures.is_some() { HDR_FLIP } else { FLIP };
         self.exposures = flip.exposures.or(self.exposures);
         self.values.extend(names.into_iter().zip(flip.statistics()));
     }
 
-    /// The same metrics of pictures with a value that is not finite: none is a number.
-    pub(super) fn failed(mut self) -> Self {
+    /// The same metrics of pictures with a value that is not finite: none is a number. `flips`:
+    /// those of FLIP that the pictures would have.
+    pub(super) fn failed(mut self, flips: &[[&'static str; 3]]) -> Self {
+        self.values.extend(flips.iter().flatten().map(|name| (*name, f64::NAN)));
         self.values.iter_mut().for_each(|(_, value)| *value = f64::NAN);
         self
     }

@@ -239,5 +239,9 @@ fn describe(verdict: &NoiseVerdict) -> String {
             )
         })
         .collect();
-    format!("more than noise, p {:.1e}: {}", verdict.p_value, planes.join("; "))
+    let p = match verdict.p_value {
+        0.0 => "below 1e-300".into(),
+        p => format!("{p:.1e}"),
+    };
+    format!("more than noise, p {p}: {}", planes.join("; "))
 }

@@ -134,7 +134,7 @@ function table(rows, head) {
   }
   for (const { cells, isOther } of rows) {
     const row = element("tr", "", isOther ? "other" : "");
-    row.append(...cells.map((text, k) => element(k === 0 ? "th" : "td", text, isFinite(text) && k ? "number" : "")));
+    row.append(...cells.map((text, k) => element(k === 0 ? "th" : "td", text, isFinite(text) && k && cells.length === 2 ? "number" : "")));
     made.append(row);
   }
   const scroll = element("div", "", "scroll");
