@@ -74,7 +74,7 @@ pub(crate) fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
     let entries = [
         ("version", text(env!("CARGO_PKG_VERSION"))),
         ("scene", text(&outcome.job.scene.name)),
-        ("scene_hash", text(&format!("{:016x}", outcome.job.scene.content_hash()))),
+        ("scene_hash", text(&format!("{:016x}", outcome.job.scene.content_hash(settings.camera)))),
         ("device", text(outcome.device)),
         ("driver", text(outcome.driver)),
         ("spp", number(outcome.film.least_samples())),

@@ -23,10 +23,10 @@ impl Write for Fnv {
 }
 
 impl Scene {
-    /// Hash of everything that a picture can depend on: equal for equal scenes, whatever file they
-    /// came from. Names of meshes, materials and cameras are part of it; notices and the scene's own
-    /// name are not. It may change with the version of this program.
-    pub fn content_hash(&self) -> u64 {
+    /// Hash of everything that a picture by one of the cameras can depend on: equal for equal scenes,
+    /// whatever file they, or the camera, came from. Names of materials and of the camera are part of
+    /// it; notices and the scene's own name are not. It may change with the version of this program.
+    pub fn content_hash(&self, camera: usize) -> u64 {
         let mut hash = Fnv(0xCBF2_9CE4_8422_2325);
         for mesh in &self.meshes {
             hash.bytes(cast_slice(&mesh.positions));
@@ -49,7 +49,7 @@ impl Scene {
         }
         // Writing to a hash cannot fail. `{:?}` tells any two numbers apart.
         let _ = write!(hash, "{:?}", (&self.instances, &self.spheres, &self.materials));
-        let _ = write!(hash, "{:?}", (&self.lights, &self.cameras));
+        let _ = write!(hash, "{:?}", (&self.lights, &self.cameras.get(camera)));
         hash.0
     }
 }
@@ -57,7 +57,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Environment, Material, Mesh};
+    use crate::scene::{Camera, Environment, Material, Mesh};
     use glam::Vec3;
 
     #[test]
@@ -71,12 +71,13 @@ mod tests {
             meshes: vec![mesh],
             materials: vec![Material::default()],
             environment: Some(Environment::constant(Vec3::ONE)),
+            cameras: vec![Camera::framing((Vec3::ZERO, Vec3::ONE))],
             ..Scene::default()
         };
         let hash = |change: fn(&mut Scene)| {
             let mut scene = scene.clone();
             change(&mut scene);
-            scene.content_hash()
+            scene.content_hash(0)
         };
         let all = [
             hash(|_| {}),
@@ -84,11 +85,14 @@ mod tests {
             hash(|s| s.meshes[0].triangles[0] = [0, 2, 1]),
             hash(|s| s.materials[0].roughness = 0.5),
             hash(|s| s.environment = None),
+            hash(|s| s.cameras[0].focus_distance = 1.0),
             hash(|s| s.environment.as_mut().unwrap().radiance[0].z = 2.0),
         ];
         for (i, a) in all.iter().enumerate() {
             assert!(all[..i].iter().all(|b| a != b), "change {i} does not count");
         }
         assert_eq!(hash(|s| s.name = "another".into()), all[0]);
+        // It is not by that camera.
+        assert_eq!(hash(|s| s.cameras.push(s.cameras[0].clone())), all[0]);
     }
 }

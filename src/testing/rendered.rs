@@ -54,7 +54,7 @@ impl Rendered {
             .with("steradian.device", &device.name)
             .with("steradian.driver", &device.driver)
             .with("steradian.scene", &scene.name)
-            .with("steradian.scene_hash", &format!("{:016x}", scene.content_hash()))
+            .with("steradian.scene_hash", &format!("{:016x}", scene.content_hash(settings.camera)))
             .with("steradian.version", env!("CARGO_PKG_VERSION"))
             .with("steradian.spp", &film.least_samples().to_string())
             .with("steradian.block", &settings.samples_per_block().to_string())
