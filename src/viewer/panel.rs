@@ -344,11 +344,12 @@ pub(super) fn set_bounces(settings: &mut RenderSettings, step: i64) {
 pub(super) fn scale_lens(camera: &mut Camera, bounds: (glam::Vec3, glam::Vec3), larger: bool) {
     let least = (bounds.1 - bounds.0).length() * FIRST_LENS;
     let radius = camera.aperture_radius;
-    camera.aperture_radius = match (radius, larger) {
-        (r, true) if r == 0.0 => least,
-        (r, true) => r * 1.5,
-        (r, false) if r <= least => 0.0,
-        (r, false) => r / 1.5,
+    camera.aperture_radius = if larger {
+        least.max(radius * 1.5)
+    } else if radius <= least {
+        0.0
+    } else {
+        radius / 1.5
     };
 }
 
