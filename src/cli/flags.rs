@@ -236,6 +236,7 @@ pub(crate) struct EnvironmentFlags {
     pub(crate) environment_intensity: Option<f32>,
 }
 
+#[cfg(feature = "viewer")]
 impl EnvironmentFlags {
     /// The same map, as bright, not turned.
     pub(crate) fn without_rotation(&self) -> Self {
