@@ -11,7 +11,8 @@ use steradian::scene::{Scene, Wrap};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Defect {
     Grazing,
-    EnergyLoss,
+    ScatteringLoss,
+    EmissionLoss,
     LightDropped,
     NormalFlipped,
     Shift,
@@ -21,9 +22,10 @@ pub(crate) enum Defect {
 }
 
 impl Defect {
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 9] = [
         Self::Grazing,
-        Self::EnergyLoss,
+        Self::ScatteringLoss,
+        Self::EmissionLoss,
         Self::LightDropped,
         Self::NormalFlipped,
         Self::Shift,
@@ -35,7 +37,8 @@ impl Defect {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Grazing => "cosine missing below 0.1",
-            Self::EnergyLoss => "1 % of the energy lost",
+            Self::ScatteringLoss => "1 % lost by scattering",
+            Self::EmissionLoss => "1 % of the emission lost",
             Self::LightDropped => "faint light dropped",
             Self::NormalFlipped => "normals of one triangle flipped",
             Self::Shift => "shifted by one pixel",
@@ -54,7 +57,13 @@ impl Defect {
     pub(crate) fn scene(self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
         match self {
-            Self::EnergyLoss => scene.materials.iter_mut().for_each(|m| m.emission *= 0.99),
+            Self::ScatteringLoss => {
+                scene.materials.iter_mut().for_each(|material| material.base_color *= 0.99);
+            }
+            Self::EmissionLoss => {
+                scene.materials.iter_mut().for_each(|material| material.emission *= 0.99);
+                scene.lights.iter_mut().for_each(|light| light.intensity *= 0.99);
+            }
             Self::LightDropped => scene.lights.clear(),
             // The triangle that faces camera and light.
             Self::NormalFlipped => {
@@ -65,10 +74,6 @@ impl Defect {
                 texture.expect("a textured floor").wrap = [Wrap::ClampToEdge; 2];
             }
             _ => {}
-        }
-        // The whole energy, not that of the lamp alone.
-        if self == Self::EnergyLoss {
-            scene.lights.iter_mut().for_each(|light| light.intensity *= 0.99);
         }
         scene
     }

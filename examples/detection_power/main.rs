@@ -1,10 +1,11 @@
 //! Which defects a comparison finds, and how often it raises a false alarm: writes the measured part
 //! of docs/compare.md.
 //!
-//!     cargo run --release --example detection_power -- [--small] [FILE]
+//!     cargo run --release --example detection_power -- [--small] [--one-spp N] [FILE]
 //!
 //! One scene is rendered with defects planted in shaders, scene and picture, and each picture is
-//! judged by the methods that are in use. `--small` takes few runs, to see that it works.
+//! judged by the methods that are in use. `--small` takes few runs, to see that it works;
+//! `--one-spp` one number of samples alone.
 
 mod defects;
 mod methods;
@@ -69,10 +70,15 @@ fn main() -> Result<()> {
         Some(_) => Amount { clean: 6, defective: 2 },
         None => Amount { clean: 200, defective: 20 },
     };
+    let mut numbers = vec![16, 256];
+    if let Some(k) = arguments.iter().position(|a| a == "--one-spp") {
+        numbers = vec![arguments.get(k + 1).ok_or("--one-spp needs a number")?.parse()?];
+        arguments.drain(k..=k + 1);
+    }
     let path = arguments.first().map_or("docs/compare.md", String::as_str);
     let device = Arc::new(Device::open(None)?);
     let mut studies = Vec::new();
-    for spp in [16, 256] {
+    for spp in numbers {
         studies.push(study(&device, spp, &amount)?);
         page::write(Path::new(path), &studies, &amount, device.info())?;
     }
