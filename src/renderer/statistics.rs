@@ -59,7 +59,7 @@ pub struct FaultLocation {
     pub sample: u32,
     /// Scattering events before it; `None` where the fault came up outside of a path.
     pub bounce: Option<u32>,
-    /// Index into [`Scene::materials`] of the surface last met; `None` before the first.
+    /// Index into [`Scene::materials`](crate::scene::Scene::materials) of the surface last met; `None` before the first.
     pub material: Option<u32>,
 }
 
