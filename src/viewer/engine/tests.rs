@@ -184,10 +184,12 @@ fn a_moved_camera_is_followed_first_coarse_then_whole() {
 #[test]
 fn views_are_those_of_the_library() {
     let scene = bundled("cornell-spheres");
-    let bench = Bench::start(&scene, SMALL);
+    // So large that first hits take several turns.
+    let words = ["--resolution", "200x301", "--spp", "2"];
+    let bench = Bench::start(&scene, &words);
     let mut wish = bench.begin(1);
     let light = bench.wait_until_done();
-    let job = Job::new(&scene, &flags(SMALL)).unwrap();
+    let job = Job::new(&scene, &flags(&words)).unwrap();
     let device = Arc::new(Device::open(None).unwrap());
     let prepared = PreparedScene::new(device.clone(), &job.scene, job.settings.accel).unwrap();
     for view in [View::Normals, View::Material, View::NodeVisits] {
@@ -198,7 +200,7 @@ fn views_are_those_of_the_library() {
         let tuning = Tuning::default();
         let mut hits = prepared.first_hits(&job.scene, &job.settings, counts, &tuning).unwrap();
         hits.run(&device, super::views::RAYS).unwrap();
-        let expected = of_first_hits(view, hits.hits(), (32, 24)).unwrap();
+        let expected = of_first_hits(view, hits.hits(), (200, 301)).unwrap();
         let expected = DisplayTransform::default().srgb8(&expected.picture.rgb);
         assert!(frame.rgba.as_ref() == &expected, "{view:?}");
         assert!(bench.link.report().legend.is_some());
@@ -206,7 +208,7 @@ fn views_are_those_of_the_library() {
     wish.view = Some(View::SampleCount);
     bench.send(&wish);
     let counts = bench.wait_until_done();
-    assert!(counts.rgba.iter().all(|p| *p == counts.rgba[0]), "all have 8 samples");
+    assert!(counts.rgba.iter().all(|p| *p == counts.rgba[0]), "all have 2 samples");
     wish.view = None;
     bench.send(&wish);
     assert!(bench.wait_until_done().rgba == light.rgba);

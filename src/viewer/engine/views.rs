@@ -7,6 +7,7 @@ use std::time::Instant;
 use steradian::gpu::GpuFirstHit;
 use steradian::image::Layer;
 use steradian::settings::Crop;
+use steradian::shader::generated::TILE_SIDE;
 use steradian::view::{Source, View, ViewPicture, of_film, of_first_hits};
 use steradian::{RenderSettings, Result};
 
@@ -56,7 +57,9 @@ impl Engine {
         let done = glance.rows();
         let rays = f64::from(window.width) * f64::from(RAYS + 1);
         let wanted = self.samples_per_second * FASTER * STRIPE_SECONDS / rays;
-        let height = (wanted as u32).clamp(1, window.height - done);
+        // Whole rows of tiles: rays that walk the tree together are the same as in one piece.
+        let height = (wanted as u32 / TILE_SIDE).max(1) * TILE_SIDE;
+        let height = height.min(window.height - done);
         let part = Crop { y: window.y + done, height, ..window };
         let settings = RenderSettings { crop: Some(part), ..stage.job.settings.clone() };
         glance.hits.extend(traced(stage, &settings, view, RAYS, &self.tuning)?);
