@@ -12,7 +12,7 @@ use block_means::BlockMeans;
 pub(crate) use block_means::{RUNS, runs};
 
 /// Luminance below this share of the picture's mean does not make an error count more.
-const ERROR_FLOOR: f64 = 0.01;
+pub(crate) const ERROR_FLOOR: f64 = 0.01;
 
 /// The sums of one render.
 #[derive(Debug, Clone)]

@@ -2,15 +2,13 @@
 
 use super::colors::{along, shown};
 use super::{View, ViewPicture};
-use crate::film::Film;
+use crate::film::{ERROR_FLOOR, Film};
 use crate::image::{ChannelData, Layer, MapColors, Picture, sample_map};
 use crate::shader::generated::{Fault, StopReason};
 use colorous::INFERNO;
 
 /// Relative standard errors that are black and white: a thousandth and 1.
 const ERROR_DECADES: f64 = 3.0;
-/// Luminance below this share of the picture's mean does not make an error count more.
-const ERROR_FLOOR: f64 = 0.01;
 
 /// sRGB, in the order of [`StopReason::ALL`].
 const STOP_COLORS: [[f32; 3]; 3] = [[0.35, 0.4, 0.55], [0.25, 0.7, 0.35], [0.9, 0.35, 0.15]];

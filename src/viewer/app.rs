@@ -122,20 +122,21 @@ impl App {
             // A quarter of the work; the panel says so.
             self.pixel_size = 2;
         }
-        let kept = self.wish.take().filter(|_| info.is_again);
-        self.wish = Some(match kept {
+        let wish = match self.wish.take().filter(|_| info.is_again) {
             Some(wish) => Wish {
                 generation: info.generation,
                 base: wish.base.min(info.cameras.len().saturating_sub(1)),
                 ..wish
             },
-            None => self.first_wish(info),
-        });
+            None => {
+                let wish = self.first_wish(info);
+                self.canvas.begin(&wish.camera);
+                wish
+            }
+        };
+        self.wish = Some(wish);
         self.tree = TreeView::default();
         self.scene = Some(info.clone());
-        if let Some(wish) = &self.wish {
-            self.canvas.begin(&wish.camera);
-        }
     }
 
     fn first_wish(&self, info: &Arc<SceneInfo>) -> Wish {

@@ -351,6 +351,29 @@ fn a_double_click_picks_a_pixel() {
     assert_eq!(news(&link).1, [Request::Pick((16, 36))]);
 }
 
+/// A scene that is read again keeps the view; another one begins with its own.
+#[test]
+fn a_scene_read_again_keeps_camera_and_pivot() {
+    let (mut harness, link) = open(SMALL);
+    drag(&mut harness, PointerButton::Middle, Modifiers::NONE, Vec2::new(40.0, 60.0));
+    let (moved, _) = news(&link);
+    let pivot = harness.state().canvas.pivot;
+    for (generation, is_again) in [(2, true), (3, false)] {
+        let (path, flags) = (bundled("cornell-spheres"), flags(SMALL));
+        let job = Job::new(&path, &flags).unwrap();
+        let mut info = scene_info(&path, &job, &flags, generation, 1);
+        info.is_again = is_again;
+        let first = info.cameras[0].clone();
+        link.tell(|report| report.scene = Some(Arc::new(info)));
+        harness.run_steps(2);
+        let wish = news(&link).0;
+        assert_eq!(wish.generation, generation);
+        let expected = if is_again { &moved.camera } else { &first };
+        assert_eq!(&wish.camera, expected);
+        assert_eq!(harness.state().canvas.pivot == pivot, is_again);
+    }
+}
+
 #[test]
 fn a_refused_wish_is_given_up_once() {
     let (mut harness, link) = open(SMALL);
