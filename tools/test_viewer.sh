@@ -85,6 +85,24 @@ differ() {
     [ "$(compare -metric AE "$work/$1.png" "$work/$2.png" null: 2>&1 || true)" != 0 ]
 }
 
+# changes NAME: until the window shows another picture than the first; a kernel may have to be compiled.
+changes() {
+    for _ in $(seq 100); do
+        screen "$1"
+        ! differ whole "$1" || return 0
+    done
+    return 1
+}
+
+# comes_back NAME: until it shows the first one again.
+comes_back() {
+    for _ in $(seq 100); do
+        screen "$1"
+        differ whole "$1" || return 0
+    done
+    return 1
+}
+
 exec 3>"$work/display"
 Xvfb -displayfd 3 -screen 0 1280x800x24 -nolisten tcp >"$work/xvfb.log" 2>&1 &
 server=$!
@@ -124,28 +142,22 @@ ok 'orbits'
 
 xdotool key space
 wait_for "$work/first.log" '^done: 8 spp' 3
-screen back
-! differ whole back || fail 'the camera of the file does not come back'
+comes_back back || fail 'the camera of the file does not come back'
 ok 'comes back to the same picture'
 
 xdotool key v
-screen tree
-differ whole tree || fail 'the tree is not shown'
+changes tree || fail 'the tree is not shown'
 xdotool key v
 xdotool key t
-screen neutral
-differ whole neutral || fail 'the tone curve does not change'
+changes neutral || fail 'the tone curve does not change'
 xdotool key t t t
-screen plain
-! differ whole plain || fail 'the tone curves do not come around'
+comes_back plain || fail 'the tone curves do not come around'
 xdotool key g
-screen normals
-differ whole normals || fail 'the view does not change'
+changes normals || fail 'the view does not change'
 for _ in $(seq 11); do
     xdotool key g
 done
-screen light
-! differ whole light || fail 'the views do not come around'
+comes_back light || fail 'the views do not come around'
 ok 'shows the tree, tone curves and views'
 
 xdotool key ctrl+q

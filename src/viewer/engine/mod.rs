@@ -15,7 +15,7 @@ mod views;
 mod watch;
 
 use super::link::{Link, News};
-use super::wish::{Phase, Request, Wish};
+use super::wish::{Phase, Progress, Request, Wish};
 use crate::cli::flags::JobFlags;
 use develop::Developed;
 #[cfg(test)]
@@ -310,6 +310,11 @@ impl Engine {
         self.steps = self.steps.saturating_sub(1);
         if self.is_over || wish.is_paused || self.developed.is_due() {
             self.show(serial)?;
+        }
+        if self.is_over {
+            let Progress { spp: (_, most), seconds, .. } = self.link.report().progress;
+            let took = crate::cli::talk::duration(seconds);
+            crate::cli::talk::line(&format!("done: {most} spp in {took}"));
         }
         Ok(())
     }

@@ -45,10 +45,6 @@ impl Engine {
             None => self.publish(wish, 1, change),
         }
         self.developed.paid(begin.elapsed());
-        if is_done {
-            let took = crate::cli::talk::duration(progress.seconds);
-            crate::cli::talk::line(&format!("done: {} spp in {took}", progress.spp.1));
-        }
         Ok(())
     }
 
