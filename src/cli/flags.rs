@@ -1,6 +1,7 @@
 //! The flags as they are spelt. [`super::job`] gives them their meaning.
 
 use super::bench::{RULES, Rule};
+use super::scene_flags::SceneFlags;
 use super::stopping::{MAP_COLORS, StoppingFlags};
 use super::talk::Verbosity;
 use super::values;
@@ -85,9 +86,8 @@ pub(crate) struct ViewFlags {
 /// What to render, and how: the same for every command that does.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct JobFlags {
-    /// Refuse a scene with anything that is approximated or ignored
-    #[arg(long)]
-    pub(crate) strict: bool,
+    #[command(flatten)]
+    pub(crate) scene: SceneFlags,
 
     #[command(flatten)]
     pub(crate) picture: PictureFlags,
@@ -293,9 +293,8 @@ pub(crate) struct InfoFlags {
     #[arg(long, value_name = "NAME|INDEX", env = "STERADIAN_DEVICE")]
     pub(crate) device: Option<String>,
 
-    /// Refuse a scene with anything that is approximated or ignored
-    #[arg(long)]
-    pub(crate) strict: bool,
+    #[command(flatten)]
+    pub(crate) reading: SceneFlags,
 }
 
 impl RenderFlags {

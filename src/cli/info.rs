@@ -5,14 +5,14 @@ use super::job::find_camera;
 use super::talk::{self, size};
 use std::process::ExitCode;
 use steradian::gpu::{Device, DeviceInfo, SceneBuffers, TreeWidth};
-use steradian::scene::gltf::{LoadOptions, load_with};
+use steradian::scene::gltf::load_with;
 use steradian::scene::{Camera, Environment, LightKind, Projection, Scene, Treatment};
 use steradian::shader::Features;
 use steradian::{RenderSettings, Result};
 
 /// Prints lines of a subject and what is to be said about it.
 pub(super) fn run(flags: &InfoFlags) -> Result<ExitCode> {
-    let scene = load_with(&flags.scene, &LoadOptions { strict: flags.strict })?;
+    let scene = load_with(&flags.scene, &flags.reading.options())?;
     if let Some(selector) = &flags.dump_camera {
         let camera = find_camera(&scene.cameras, "--dump-camera", Some(selector))?;
         talk::data(&scene.cameras[camera].to_json())?;

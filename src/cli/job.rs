@@ -5,7 +5,7 @@ use super::values::MAX_SIDE;
 use glam::Mat3;
 use std::path::Path;
 use std::time::Instant;
-use steradian::scene::gltf::{LoadOptions, load_with};
+use steradian::scene::gltf::load_with;
 use steradian::scene::{Camera, Environment, Notice, Scene, Treatment};
 use steradian::{Error, RenderSettings, Result};
 
@@ -35,7 +35,7 @@ impl Job {
     /// Loads the scene and settles all settings.
     pub(crate) fn new(scene: &Path, flags: &JobFlags) -> Result<Self> {
         let begin = Instant::now();
-        let scene = load_with(scene, &LoadOptions { strict: flags.strict })?;
+        let scene = load_with(scene, &flags.scene.options())?;
         Self::of(scene, flags, begin)
     }
 

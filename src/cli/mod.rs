@@ -14,6 +14,7 @@ mod progress;
 mod reference;
 mod render;
 pub(crate) mod report;
+pub(crate) mod scene_flags;
 pub(crate) mod signals;
 mod stats;
 pub(crate) mod stopping;

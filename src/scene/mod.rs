@@ -20,7 +20,10 @@ mod usage;
 pub use camera::{Camera, Projection};
 pub use environment::Environment;
 pub use light::{LightKind, PunctualLight};
-pub use material::{AlphaMode, Material};
+pub use material::{
+    AlphaMode, Anisotropy, Clearcoat, DiffuseTransmission, Iridescence, Material, Sheen,
+    SpecularGlossiness,
+};
 pub use mesh::{Instance, Mesh, Sphere};
 pub use texture::{ColorSpace, Image, TextureRef, Wrap};
 pub use usage::SphereAnchor;

@@ -79,13 +79,29 @@ impl Scene {
 impl super::Material {
     /// The textures in use.
     pub fn textures(&self) -> impl Iterator<Item = TextureRef> {
-        [
+        let of_base = [
             self.base_color_texture,
             self.metallic_roughness_texture,
             self.normal_texture,
+            self.specular_glossiness.as_ref().and_then(|s| s.texture),
             self.emission_texture,
-        ]
-        .into_iter()
-        .flatten()
+            self.specular_texture,
+            self.specular_color_texture,
+            self.transmission_texture,
+        ];
+        let diffuse = self.diffuse_transmission.iter().flat_map(|d| [d.texture, d.color_texture]);
+        let anisotropy = self.anisotropy.iter().map(|a| a.texture);
+        let film = self.iridescence.iter().flat_map(|i| [i.texture, i.thickness_texture]);
+        let sheen = self.sheen.iter().flat_map(|s| [s.color_texture, s.roughness_texture]);
+        let coat =
+            self.clearcoat.iter().flat_map(|c| [c.texture, c.roughness_texture, c.normal_texture]);
+        of_base
+            .into_iter()
+            .chain(diffuse)
+            .chain(anisotropy)
+            .chain(film)
+            .chain(sheen)
+            .chain(coat)
+            .flatten()
     }
 }

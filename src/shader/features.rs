@@ -121,13 +121,13 @@ impl Feature {
 
 /// A set of [`Feature`]s.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
-pub struct Features(u32);
+pub struct Features(u64);
 
 impl Features {
     /// This set and `feature`.
     #[must_use]
     pub fn with(self, feature: Feature) -> Self {
-        Self(self.0 | 1 << feature as u32)
+        Self(self.0 | 1 << feature as u64)
     }
 
     /// This set, and `feature` if `needed`.
@@ -150,7 +150,7 @@ impl Features {
 
     /// Whether it holds `feature`.
     pub fn has(self, feature: Feature) -> bool {
-        self.0 & 1 << feature as u32 != 0
+        self.0 & 1 << feature as u64 != 0
     }
 
     /// Everything that a scene could need, with the settings' own features of this set.

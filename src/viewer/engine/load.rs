@@ -14,7 +14,7 @@ use std::time::Instant;
 use steradian::gpu::Device;
 use steradian::passes::Tuning;
 use steradian::renderer::PreparedScene;
-use steradian::scene::gltf::{LoadOptions, load_with};
+use steradian::scene::gltf::load_with;
 use steradian::scene::{Environment, Treatment};
 use steradian::{Error, Renderer, Result};
 
@@ -197,7 +197,7 @@ fn load(
     let tell = |what| link.busy(Some(what));
     tell("reading the scene");
     let begin = Instant::now();
-    let scene = load_with(path, &LoadOptions { strict: flags.strict })?;
+    let scene = load_with(path, &flags.scene.options())?;
     let (environment, own_camera_count) = (scene.environment.clone(), scene.cameras.len());
     let job = Job::of(scene, flags, begin)?;
     tell("building trees");

@@ -1,0 +1,20 @@
+//! Flags about how a scene file is read.
+
+use clap::Args;
+use steradian::scene::gltf::LoadOptions;
+
+/// How the scene file is read: the same for every command that reads one.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Scene")]
+pub(crate) struct SceneFlags {
+    /// Refuse a scene with anything that is approximated or ignored
+    #[arg(long)]
+    pub(crate) strict: bool,
+}
+
+impl SceneFlags {
+    /// What the loader is told.
+    pub(crate) fn options(&self) -> LoadOptions {
+        LoadOptions { strict: self.strict }
+    }
+}
