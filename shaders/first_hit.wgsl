@@ -96,6 +96,9 @@ fn main(
 #if !BRUTE_FORCE
     stack_lane = local;
 #endif
+#if CULLING
+    leaf_is_camera = true;
+#endif
     let thread = group.x * WORKGROUP_SIZE + local;
     let in_dispatch = thread / TILE_PIXELS;
     let index = frame.dispatch_first_tile * TILE_PIXELS + thread;

@@ -32,7 +32,13 @@ fn path_radiance(sampler_p: Sampler, camera: Ray, is_active: bool) -> vec3<f32> 
     var material = INVALID;
     for (var bounce = 0u; bounce < PATH_LENGTH_LIMIT; bounce++) {
         p.ray.alpha_seed = sampler_alpha_seed(sampler_p, bounce);
+#if CULLING
+        leaf_is_camera = bounce == 0u;
+#endif
         let hit = trace_closest(p.ray, p.is_alive);
+#if CULLING
+        leaf_is_camera = false;
+#endif
         path_ray_count += select(0u, 1u, p.is_alive);
         let has_hit = p.is_alive && hit.primitive != INVALID;
 #if ENVIRONMENT

@@ -11,6 +11,11 @@
 #import material/alpha
 #endif
 
+#if CULLING
+// Whether this thread traces a camera ray: those pass through the back of what is culled.
+var<private> leaf_is_camera: bool;
+#endif
+
 // At equal distance: whether p precedes the best hit's primitive in scene order, so
 // that the result does not depend on the tree.
 fn leaf_comes_first(p: Primitive, best: u32) -> bool {
@@ -25,11 +30,23 @@ fn leaf_triangle_hit(tree: TreeRay, p: Primitive) -> TriangleHit {
     let p2 = primitive_point(p.c) - tree.origin;
     let weights = triangle_weights(tree.direction, tree.shear, p0, p1, p2);
     var hit = TriangleHit(-1.0, 0.0, 0.0);
-    if weights.is_inside && triangle_has_area(p) {
+    var is_met = weights.is_inside && triangle_has_area(p);
+#if CULLING
+    is_met = is_met && !leaf_is_culled(tree.direction, p);
+#endif
+    if is_met {
         hit = triangle_resolve(tree.direction, p0, p1, p2, weights.w);
     }
     return hit;
 }
+
+#if CULLING
+fn leaf_is_culled(direction: vec3<f32>, p: Primitive) -> bool {
+    let a = primitive_point(p.a);
+    let n = cross(primitive_point(p.b) - a, primitive_point(p.c) - a);
+    return leaf_is_camera && (p.a.w & PRIMITIVE_IS_CULLED) != 0u && dot(n, direction) > 0.0;
+}
+#endif
 
 fn triangle_has_area(p: Primitive) -> bool {
     let a = primitive_point(p.a);

@@ -2,8 +2,8 @@
 #import geometry/ray
 
 // Triangle: three vertices. Sphere: centre, or the anchor; (radius, is anchored, -);
-// the anchor's normal. The fourth words are alike: material, with
-// PRIMITIVE_HAS_ALPHA; light or INVALID; the index in scene order.
+// the anchor's normal. The fourth words are alike: material, with PRIMITIVE_HAS_ALPHA and
+// PRIMITIVE_IS_CULLED; light or INVALID; the index in scene order.
 @group(0) @binding(3) var<storage, read> primitives: array<vec2<u32>>;
 
 struct Primitive {
@@ -22,7 +22,7 @@ fn primitive_load(index: u32) -> Primitive {
 }
 
 fn primitive_material(p: Primitive) -> u32 {
-    return p.a.w & ~PRIMITIVE_HAS_ALPHA;
+    return p.a.w & ~(PRIMITIVE_HAS_ALPHA | PRIMITIVE_IS_CULLED);
 }
 
 fn primitive_light(p: Primitive) -> u32 {

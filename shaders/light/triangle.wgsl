@@ -46,6 +46,9 @@ fn light_triangle_sample(l: Light, s: Surface, u: vec2<f32>) -> LightSample {
 #if TEXTURES
     radiance *= light_triangle_texture(l, w);
 #endif
+#if UNLIT
+    radiance *= light_triangle_color(l, w);
+#endif
 #if ALPHA
     // Where it is not there, or not always, it does not shine.
     radiance *= alpha_presence(materials[l.material], l.source, w);
@@ -64,5 +67,18 @@ fn light_triangle_texture(l: Light, weights: vec2<f32>) -> vec3<f32> {
         return vec3<f32>(1.0);
     }
     return texture_or_white(texture, attribute_at(corners_load(l.source), 1u, weights)).rgb;
+}
+#endif
+
+#if UNLIT
+// Vertex colours, which multiply the emission of unlit surfaces.
+fn light_triangle_color(l: Light, weights: vec2<f32>) -> vec3<f32> {
+#if VERTEX_DATA
+    let corners = corners_load(l.source);
+    if (materials[l.material].flags & MATERIAL_UNLIT) != 0u && (corners.flags & ATTRIBUTE_COLOR) != 0u {
+        return attribute_at(corners, 2u, weights).rgb;
+    }
+#endif
+    return vec3<f32>(1.0);
 }
 #endif

@@ -69,12 +69,17 @@ fn material_bsdf(m: Material, s: Surface) -> Bsdf {
 
 // Radiance that the surface emits towards s.wo.
 fn material_emitted(m: Material, s: Surface) -> vec3<f32> {
-    if !s.is_front && (m.flags & MATERIAL_DOUBLE_SIDED) == 0u {
+    if !s.is_front && (m.flags & MATERIAL_EMITS_BEHIND) == 0u {
         return vec3<f32>(0.0);
     }
+    var emission = m.emission;
 #if TEXTURES
-    return m.emission * texture_or_white(m.emission_texture, s.uv).rgb;
-#else
-    return m.emission;
+    emission *= texture_or_white(m.emission_texture, s.uv).rgb;
 #endif
+#if UNLIT
+    if (m.flags & MATERIAL_UNLIT) != 0u {
+        emission *= s.color.rgb;
+    }
+#endif
+    return emission;
 }

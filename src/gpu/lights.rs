@@ -73,10 +73,10 @@ fn assign(records: &mut [GpuLight], powers: &[f64], has_environment: bool) -> f3
 }
 
 fn emitter_record(e: &Emitter, m: &Material) -> GpuLight {
-    let mut record = blank(light::TRIANGLE, m.emission);
+    let mut record = blank(light::TRIANGLE, m.emitted().0);
     record.material = e.material;
     record.source = e.source;
-    record.is_double_sided = u32::from(m.double_sided);
+    record.is_double_sided = u32::from(m.emits_behind());
     match e.shape {
         EmitterShape::Triangle(v) => {
             (record.a, record.b, record.c) = (v[0].into(), v[1].into(), v[2].into());
@@ -97,9 +97,10 @@ fn emitter_power(e: &Emitter, m: &Material, images: &[Image]) -> f64 {
         }
         EmitterShape::Sphere { radius, .. } => 4.0 * PI * f64::from(radius).powi(2),
     };
-    let texture = m.emission_texture.map_or(1.0, |t| mean_luminance(&images[t.image as usize]));
-    let sides = if m.double_sided { 2.0 } else { 1.0 };
-    PI * area * sides * luminance(m.emission) * texture
+    let (radiance, texture) = m.emitted();
+    let texture = texture.map_or(1.0, |t| mean_luminance(&images[t.image as usize]));
+    let sides = if m.emits_behind() { 2.0 } else { 1.0 };
+    PI * area * sides * luminance(radiance) * texture
 }
 
 /// Mean of an sRGB image's linear luminance: stands in for the part that a triangle uses.

@@ -3,6 +3,8 @@
 use super::GpuMaterial;
 use crate::scene::{AlphaMode, ColorSpace, Image, Material, Scene, TextureRef, Wrap};
 use crate::shader::generated::{INVALID, material, texture};
+use glam::Vec3;
+use std::borrow::Cow;
 
 /// `materials` and `textures`.
 pub(super) struct Materials {
@@ -37,6 +39,8 @@ pub(super) fn build(scene: &Scene) -> Materials {
         .enumerate()
         .map(|(i, m)| {
             // A material that nothing wears brings no image with it.
+            let black = black_if_unlit(m);
+            let m = &*black;
             let mut slot = |t| if used.contains(&i) { descriptors.index_of(t) } else { INVALID };
             let textures = [
                 slot(m.base_color_texture),
@@ -48,6 +52,27 @@ pub(super) fn build(scene: &Scene) -> Materials {
         })
         .collect();
     Materials { records, textures: pack(&descriptors.list, &scene.images) }
+}
+
+/// An unlit material scatters nothing.
+fn black_if_unlit(m: &Material) -> Cow<'_, Material> {
+    if !m.unlit {
+        return Cow::Borrowed(m);
+    }
+    let (emission, emission_texture) = m.emitted();
+    Cow::Owned(Material {
+        name: m.name.clone(),
+        unlit: true,
+        emission,
+        emission_texture,
+        base_color: Vec3::ZERO,
+        base_color_texture: m.base_color_texture,
+        alpha: m.alpha,
+        alpha_mode: m.alpha_mode,
+        metallic: 0.0,
+        specular: 0.0,
+        ..Material::default()
+    })
 }
 
 fn record(m: &Material, textures: [u32; 4]) -> GpuMaterial {
@@ -69,7 +94,9 @@ fn record(m: &Material, textures: [u32; 4]) -> GpuMaterial {
         ior: m.ior,
         transmission: m.transmission,
         normal_scale: m.normal_scale,
-        flags: flag(m.double_sided, material::DOUBLE_SIDED) | flag(m.volume, material::VOLUME),
+        flags: flag(m.emits_behind(), material::EMITS_BEHIND)
+            | flag(m.volume, material::VOLUME)
+            | flag(m.unlit, material::UNLIT),
         base_color_texture: textures[0],
         metallic_roughness_texture: textures[1],
         normal_texture: textures[2],

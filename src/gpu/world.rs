@@ -12,7 +12,7 @@ use crate::bvh::{
 };
 use crate::scene::Scene;
 use crate::settings::Accel;
-use crate::shader::generated::{PRIMITIVE_HAS_ALPHA, TREE_RECORD_SIZE};
+use crate::shader::generated::{PRIMITIVE_HAS_ALPHA, PRIMITIVE_IS_CULLED, TREE_RECORD_SIZE};
 use crate::{Error, Result};
 use glam::{Affine3A, Vec3};
 
@@ -276,7 +276,9 @@ fn instance_bounds(mesh: &[Triangle], world_from_object: Affine3A) -> Aabb {
 
 fn triangle_record(t: &Triangle, scene: &Scene) -> [[u32; 4]; 3] {
     let opaque = scene.materials[t.material as usize].alpha_mode == crate::scene::AlphaMode::Opaque;
-    let material = t.material | if opaque { 0 } else { PRIMITIVE_HAS_ALPHA };
+    let flag = |holds: bool, bit: u32| if holds { bit } else { 0 };
+    let material =
+        t.material | flag(!opaque, PRIMITIVE_HAS_ALPHA) | flag(t.is_culled, PRIMITIVE_IS_CULLED);
     let word = |v: Vec3, w: u32| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w];
     let [a, b, c] = t.vertices;
     [word(a, material), word(b, t.light), word(c, t.source)]

@@ -9,6 +9,8 @@ use glam::{Affine3A, Mat3A, Vec3, Vec4};
 pub(super) struct Triangle {
     pub(super) vertices: [Vec3; 3],
     pub(super) material: u32,
+    /// Camera rays pass through its back.
+    pub(super) is_culled: bool,
     pub(super) light: u32,
     pub(super) source: u32,
     corners: [u32; 4],
@@ -44,6 +46,8 @@ pub(super) struct Sources {
     vertices: Vec<Vertex>,
     has_attributes: bool,
     has_vertex_data: bool,
+    /// By mesh: camera rays pass through its back.
+    is_culled: Vec<bool>,
 }
 
 #[derive(Clone, Copy)]
@@ -58,17 +62,16 @@ impl Sources {
     /// All primitives of `scene`; nothing is shared unless `share`.
     pub(super) fn gather(scene: &Scene, share: bool) -> Self {
         let is_shared = scene.shared_meshes();
-        let mut sources = Self::default();
+        let mut sources = Self { is_culled: scene.culled_meshes(), ..Self::default() };
         let mut shared_index = vec![None; scene.meshes.len()];
         for instance in &scene.instances {
-            let mesh = &scene.meshes[instance.mesh as usize];
             if !(share && is_shared[instance.mesh as usize]) {
-                let triangles = sources.place(scene, mesh, Some(instance));
+                let triangles = sources.place(scene, instance.mesh, Some(instance));
                 sources.top.extend(triangles);
                 continue;
             }
             let shared = *shared_index[instance.mesh as usize].get_or_insert_with(|| {
-                let triangles = sources.place(scene, mesh, None);
+                let triangles = sources.place(scene, instance.mesh, None);
                 sources.shared.push(triangles);
                 sources.shared.len() - 1
             });
@@ -114,8 +117,10 @@ impl Sources {
         self.emitters.len() as u32 - 1
     }
 
-    /// The triangles of `mesh`, in world space if placed by an instance.
-    fn place(&mut self, scene: &Scene, mesh: &Mesh, instance: Option<&Instance>) -> Vec<Triangle> {
+    /// The triangles of a mesh, in world space if placed by an instance.
+    fn place(&mut self, scene: &Scene, index: u32, instance: Option<&Instance>) -> Vec<Triangle> {
+        let mesh = &scene.meshes[index as usize];
+        let is_culled = self.is_culled[index as usize];
         let placement = instance.map_or(Affine3A::IDENTITY, |i| i.world_from_object);
         let mirrored = placement.matrix3.determinant() < 0.0;
         let flags = mesh_flags(mesh);
@@ -136,7 +141,8 @@ impl Sources {
                 self.emitter(scene, mesh.material, source, EmitterShape::Triangle(vertices));
             let corners = [first_vertex + a, first_vertex + b, first_vertex + c, flags];
             let corners = if flags == 0 { [0; 4] } else { corners };
-            triangles.push(Triangle { vertices, material: mesh.material, light, source, corners });
+            let material = mesh.material;
+            triangles.push(Triangle { vertices, material, is_culled, light, source, corners });
         }
         triangles
     }

@@ -209,6 +209,25 @@ impl Default for Material {
 impl Material {
     /// Whether any light leaves this material by itself.
     pub fn is_emissive(&self) -> bool {
-        self.emission.max_element() > 0.0
+        self.emitted().0.max_element() > 0.0
+    }
+
+    /// Radiance that it emits, W/(sr m²), and the texture that multiplies it: of an unlit material
+    /// the base colour and its texture.
+    pub fn emitted(&self) -> (Vec3, Option<TextureRef>) {
+        match self.unlit {
+            true => (self.base_color, self.base_color_texture),
+            false => (self.emission, self.emission_texture),
+        }
+    }
+
+    /// Whether its back emits too.
+    pub fn emits_behind(&self) -> bool {
+        self.double_sided || self.unlit
+    }
+
+    /// Whether it is the boundary of a volume that light enters.
+    pub fn is_boundary(&self) -> bool {
+        self.volume && !self.unlit && (self.transmission > 0.0 || self.diffuse_transmission.is_some())
     }
 }

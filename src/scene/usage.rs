@@ -36,6 +36,16 @@ impl Scene {
         self.meshes.iter().zip(&uses).map(is_shared).collect()
     }
 
+    /// For each mesh, whether camera rays pass through its back: it is single-sided, open, and no
+    /// boundary of a volume. The back of a closed mesh is seen only from inside, where it is wanted.
+    pub fn culled_meshes(&self) -> Vec<bool> {
+        let is_culled = |mesh: &Mesh| {
+            let m = &self.materials[mesh.material as usize];
+            !(m.double_sided || m.volume || m.unlit || mesh.is_closed())
+        };
+        self.meshes.iter().map(is_culled).collect()
+    }
+
     /// Materials of anything that is placed in the scene.
     pub fn used_materials(&self) -> BTreeSet<usize> {
         let of_meshes = self.instances.iter().map(|i| self.meshes[i.mesh as usize].material);

@@ -43,12 +43,18 @@ features! {
     Textures = "TEXTURES",
     /// Alpha MASK or BLEND.
     Alpha = "ALPHA",
+    /// Camera rays pass through the backs of some triangles.
+    Culling = "CULLING",
     /// A rough specular lobe.
     Ggx = "GGX",
     /// Mirrors and smooth interfaces.
     Delta = "DELTA",
     /// Light passes through surfaces.
     Transmission = "TRANSMISSION",
+    /// Light passes into volumes: their absorption, and indices inside each other.
+    Media = "MEDIA",
+    /// Emission that vertex colours multiply.
+    Unlit = "UNLIT",
     /// Emission is met by rays on surfaces.
     LightSurfaces = "LIGHT_SURFACES",
     /// Emissive triangles are sampled.
@@ -202,6 +208,7 @@ impl Features {
                 Feature::AnchoredSpheres,
                 scene.spheres.iter().any(|s| scene.anchor_of(s).is_some()),
             )
+            .with_if(Feature::Culling, scene.culled_meshes().contains(&true))
             .with_if(Feature::Instances, scene.shared_meshes().contains(&true))
             .with_if(Feature::Attributes, placed().any(|m| !m.normals.is_empty() || has_data(m)))
             .with_if(Feature::VertexData, placed().any(has_data))
@@ -227,6 +234,8 @@ impl Features {
                 Feature::Delta,
                 any(&|m| m.transmission > 0.0 || (is_specular(m) && is_smooth(m))),
             )
+            .with_if(Feature::Media, any(&Material::is_boundary))
+            .with_if(Feature::Unlit, any(&|m| m.unlit))
             .with_if(Feature::Transmission, any(&|m| m.transmission > 0.0))
     }
 

@@ -31,6 +31,9 @@ pub const TREE_RECORD_SIZE: u32 = 8;
 /// Bit of a primitive's material word: its alpha must be tested.
 pub const PRIMITIVE_HAS_ALPHA: u32 = 1 << 31;
 
+/// Bit of a primitive's material word: camera rays pass through its back.
+pub const PRIMITIVE_IS_CULLED: u32 = 1 << 30;
+
 /// Bits of a primitive's attributes.
 pub mod attribute {
     /// Shading normals.
@@ -46,9 +49,11 @@ pub mod attribute {
 /// Bits of a material.
 pub mod material {
     /// Emits from both sides.
-    pub const DOUBLE_SIDED: u32 = 1;
+    pub const EMITS_BEHIND: u32 = 1;
     /// Encloses a volume: light refracts.
     pub const VOLUME: u32 = 2;
+    /// Vertex colours multiply its emission.
+    pub const UNLIT: u32 = 4;
 }
 
 /// Kinds of light.
@@ -153,12 +158,14 @@ pub fn wgsl(stack_size: u32, workgroup_size: u32) -> String {
         ("LINK_COUNT_MASK", bvh::LEAF_COUNT_MASK),
         ("LINK_FIRST_MASK", bvh::LEAF_FIRST_MASK),
         ("PRIMITIVE_HAS_ALPHA", PRIMITIVE_HAS_ALPHA),
+        ("PRIMITIVE_IS_CULLED", PRIMITIVE_IS_CULLED),
         ("ATTRIBUTE_NORMAL", attribute::NORMAL),
         ("ATTRIBUTE_UV", attribute::UV),
         ("ATTRIBUTE_COLOR", attribute::COLOR),
         ("ATTRIBUTE_TANGENT", attribute::TANGENT),
-        ("MATERIAL_DOUBLE_SIDED", material::DOUBLE_SIDED),
+        ("MATERIAL_EMITS_BEHIND", material::EMITS_BEHIND),
         ("MATERIAL_VOLUME", material::VOLUME),
+        ("MATERIAL_UNLIT", material::UNLIT),
         ("LIGHT_TRIANGLE", light::TRIANGLE),
         ("LIGHT_SPHERE", light::SPHERE),
         ("LIGHT_POINT", light::POINT),

@@ -10,5 +10,6 @@ mod geometry;
 mod irradiance;
 mod matrix;
 mod shading;
+mod sides;
 mod strategies;
 mod surfaces;
