@@ -41,6 +41,11 @@ fn path_radiance(sampler_p: Sampler, camera: Ray, is_active: bool) -> vec3<f32> 
 #endif
         path_ray_count += select(0u, 1u, p.is_alive);
         let has_hit = p.is_alive && hit.primitive != INVALID;
+#if MEDIA
+        if p.is_alive && !has_hit {
+            p.throughput *= media_transmittance(p.media, MEDIA_FAR);
+        }
+#endif
 #if ENVIRONMENT
         if p.is_alive && !has_hit && path_keeps(bounce) && frame.environment_size.x > 0u {
             p.radiance += path_environment(p);
@@ -54,6 +59,10 @@ fn path_radiance(sampler_p: Sampler, camera: Ray, is_active: bool) -> vec3<f32> 
             s = surface_at(p.ray, hit);
             material = s.material;
             let m = materials[material];
+#if MEDIA
+            p.media = media_before(p.media, s);
+            p.throughput *= media_transmittance(p.media, hit.t);
+#endif
 #if TEXTURES
             s.ns = normal_map_ns(m, s);
 #endif
@@ -61,6 +70,9 @@ fn path_radiance(sampler_p: Sampler, camera: Ray, is_active: bool) -> vec3<f32> 
             if s.light != INVALID && path_keeps(bounce) {
                 p.radiance += path_emission(p, m, s);
             }
+#endif
+#if DISPERSION
+            p = path_choose_channel(p, m, sampler_choice(sampler_p, bounce, 0u).z);
 #endif
             b = material_bsdf(m, s);
             frame_s = frame_from_normal(s.ns);
@@ -78,6 +90,9 @@ fn path_radiance(sampler_p: Sampler, camera: Ray, is_active: bool) -> vec3<f32> 
                 if p.is_alive {
                     d = direct_sample(s, b, frame_s, sampler_p, bounce, u.xy, i);
                 }
+#if MEDIA
+                d.radiance *= media_along(p.media, s, d.ray);
+#endif
                 let has_ray = max_component(d.radiance) > 0.0;
                 path_shadow_ray_count += select(0u, 1u, has_ray);
                 let is_blocked = trace_any(d.ray, has_ray);

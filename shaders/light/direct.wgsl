@@ -37,11 +37,12 @@ fn direct_sample(s: Surface, b: Bsdf, frame_s: mat3x3<f32>, sampler_s: Sampler, 
     }
 #endif
     let l = light_sample(s, v, sampler_choice(sampler_s, bounce, number).y);
-    // Light from behind the true surface would leak through it.
-    if max_component(l.weight) <= 0.0 || dot(l.wi, s.ng) <= 0.0 {
+    let wi = l.wi * frame_s;
+    // Light from one side of the true surface and the other of the shading normal's plane would leak.
+    let is_above = dot(l.wi, s.ng) > 0.0;
+    if max_component(l.weight) <= 0.0 || is_above != (wi.z > 0.0) || !(is_above || bsdf_reaches_below(b)) {
         return d;
     }
-    let wi = l.wi * frame_s;
     let wo = s.wo * frame_s;
     let f = bsdf_eval(b, wo, wi);
     if max_component(f) > 0.0 {

@@ -6,6 +6,8 @@
 
 // Optical depths beyond let nothing through.
 const MEDIA_LARGEST_DEPTH: f32 = 200.0;
+// The length of a segment that meets nothing, metres.
+const MEDIA_FAR: f32 = 1e30;
 
 fn media_none() -> vec4<u32> {
     return vec4<u32>(INVALID);
@@ -51,4 +53,21 @@ fn media_transmittance(media: vec4<u32>, distance: f32) -> vec3<f32> {
     }
     let absorption = materials[media.x].absorption;
     return exp(-min(absorption * distance, vec3<f32>(MEDIA_LARGEST_DEPTH)));
+}
+
+// What a ray that leaves the surface lets through on all of its length.
+fn media_along(media: vec4<u32>, s: Surface, ray: Ray) -> vec3<f32> {
+    let distance = select(ray.t_max * length(ray.direction), MEDIA_FAR, ray.t_max == T_INFINITY);
+    if dot(ray.direction, s.ng) < 0.0 {
+        return media_transmittance(media_beyond(media, s), distance);
+    }
+    return media_transmittance(media, distance);
+}
+
+// The material on the outside of a volume's surface, INVALID for air.
+fn media_outside(media: vec4<u32>, s: Surface) -> u32 {
+    if s.is_front {
+        return media.x;
+    }
+    return media_without(media, s.material).x;
 }

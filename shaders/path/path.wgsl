@@ -19,6 +19,9 @@
 #if ENVIRONMENT
 #import light/environment
 #endif
+#if MEDIA
+#import path/media
+#endif
 
 // Roulette begins at this bounce, and never lets a path go on with a smaller probability than
 // this. A path that has lost nothing goes on: were it ended by chance, the weight of those that
@@ -50,6 +53,14 @@ struct Path {
     scatter_point: vec3<f32>,
     // How refraction scaled the throughput: no loss, so roulette ignores it.
     eta_scale: f32,
+#if MEDIA
+    // The volumes that it is in.
+    media: vec4<u32>,
+#endif
+#if DISPERSION
+    // The channel that it carries alone, or INVALID.
+    channel: u32,
+#endif
 #if ROULETTE
 #if DELTA
     // Scatterings without a density in a row, up to here.
@@ -66,8 +77,27 @@ fn path_new(ray: Ray, is_active: bool) -> Path {
     p.scatter_pdf = PDF_DELTA;
     p.scatter_point = ray.origin;
     p.eta_scale = 1.0;
+#if MEDIA
+    p.media = media_none();
+#endif
+#if DISPERSION
+    p.channel = INVALID;
+#endif
     return p;
 }
+
+#if DISPERSION
+// At a surface that refracts the channels differently the path goes on with one of the three,
+// chosen by u, and carries three times its light.
+fn path_choose_channel(path: Path, m: Material, u: f32) -> Path {
+    var p = path;
+    if p.channel == INVALID && m.dispersion > 0.0 && (m.flags & MATERIAL_VOLUME) != 0u && m.transmission > 0.0 {
+        p.channel = min(u32(3.0 * u), 2u);
+        p.throughput *= 3.0 * vec3<f32>(vec3<u32>(p.channel) == vec3<u32>(0u, 1u, 2u));
+    }
+    return p;
+}
+#endif
 
 // Whether light that was scattered `bounce` times belongs to the picture.
 fn path_keeps(bounce: u32) -> bool {
@@ -89,6 +119,22 @@ fn path_emission(p: Path, m: Material, s: Surface) -> vec3<f32> {
 }
 #endif
 
+// The relative index at the surface: of the side of wo over that of the other side.
+fn path_eta(p: Path, m: Material, s: Surface) -> f32 {
+    var channel = INVALID;
+#if DISPERSION
+    channel = p.channel;
+#endif
+    var around = 1.0;
+#if MEDIA
+    let outside = media_outside(p.media, s);
+    if outside != INVALID {
+        around = material_ior(materials[outside], channel);
+    }
+#endif
+    return material_eta(m, s, channel, around);
+}
+
 // Draws the next direction; the path ends where there is none.
 fn path_scatter(path: Path, s: Surface, b: Bsdf, frame_s: mat3x3<f32>, u: vec2<f32>, roulette: f32, bounce: u32) -> Path {
     var p = path;
@@ -102,6 +148,11 @@ fn path_scatter(path: Path, s: Surface, b: Bsdf, frame_s: mat3x3<f32>, u: vec2<f
     p.scatter_pdf = scattered.pdf;
     p.scatter_point = s.position;
     p.ray = ray_new(ray_spawn(s.position, s.ng, s.offset, wi), wi);
+#if MEDIA
+    if scattered.wi.z < 0.0 {
+        p.media = media_beyond(p.media, s);
+    }
+#endif
 #if ROULETTE
     if bounce + 1u >= ROULETTE_START {
         var q = clamp(max_component(p.throughput) / p.eta_scale, ROULETTE_LEAST, 1.0);

@@ -1,6 +1,6 @@
 //! What of a scene is used, and how its geometry is best held.
 
-use super::{Mesh, Scene, Sphere, TextureRef};
+use super::{Camera, Mesh, Projection, Scene, Sphere, TextureRef};
 use glam::{DVec3, Vec3};
 use std::collections::BTreeSet;
 
@@ -44,6 +44,31 @@ impl Scene {
             !(m.double_sided || m.volume || m.unlit || mesh.is_closed())
         };
         self.meshes.iter().map(is_culled).collect()
+    }
+
+    /// Whether the back of any triangle that [`culled_meshes`](Self::culled_meshes) is about faces
+    /// some point of this camera's lens; the triangle may be outside the picture, or hidden.
+    pub fn has_culled_backs(&self, camera: &Camera) -> bool {
+        let eye = camera.world_from_camera.translation.as_dvec3();
+        let ahead = -camera.world_from_camera.matrix3.z_axis.as_dvec3();
+        let is_culled = self.culled_meshes();
+        self.instances.iter().filter(|i| is_culled[i.mesh as usize]).any(|instance| {
+            let mesh = &self.meshes[instance.mesh as usize];
+            let place = instance.world_from_object;
+            let front = f64::from(place.matrix3.determinant().signum());
+            mesh.triangles.iter().any(|corners| {
+                let [a, b, c] =
+                    corners.map(|i| place.transform_point3(mesh.positions[i as usize]).as_dvec3());
+                let normal = (b - a).cross(c - a) * front;
+                match camera.projection {
+                    Projection::Orthographic { .. } => normal.dot(ahead) > 0.0,
+                    Projection::Perspective { .. } => {
+                        let reach = f64::from(camera.aperture_radius) * normal.length();
+                        normal.dot(eye - a) < reach
+                    }
+                }
+            })
+        })
     }
 
     /// Materials of anything that is placed in the scene.

@@ -170,10 +170,11 @@ impl Features {
         let set = Self::of_settings(settings);
         let set = set.with_geometry(scene).with_materials(scene).with_lights(scene);
         let camera = &scene.cameras[settings.camera];
-        let set = set.with_if(Feature::Lens, camera.aperture_radius > 0.0).with_if(
-            Feature::Orthographic,
-            matches!(camera.projection, Projection::Orthographic { .. }),
-        );
+        let is_orthographic = matches!(camera.projection, Projection::Orthographic { .. });
+        let set = set
+            .with_if(Feature::Culling, scene.has_culled_backs(camera))
+            .with_if(Feature::Lens, camera.aperture_radius > 0.0)
+            .with_if(Feature::Orthographic, is_orthographic);
         if settings.all_features { set.with_all_of_scenes() } else { set }
     }
 
@@ -208,7 +209,6 @@ impl Features {
                 Feature::AnchoredSpheres,
                 scene.spheres.iter().any(|s| scene.anchor_of(s).is_some()),
             )
-            .with_if(Feature::Culling, scene.culled_meshes().contains(&true))
             .with_if(Feature::Instances, scene.shared_meshes().contains(&true))
             .with_if(Feature::Attributes, placed().any(|m| !m.normals.is_empty() || has_data(m)))
             .with_if(Feature::VertexData, placed().any(has_data))

@@ -22,7 +22,7 @@ pub(crate) use random::Random;
 pub(crate) use record::{
     assert_at_least, assert_at_most, assert_naive_fails, report, report_above, report_below,
 };
-pub(crate) use stage::{Stage, emitter, lambert, quad_mesh, with_uvs};
+pub(crate) use stage::{Stage, box_mesh, emitter, lambert, quad_mesh, with_uvs};
 pub(crate) use world::{BUILDERS, Primitive, World, items, random_ray, scene_of, soup};
 
 use std::path::PathBuf;

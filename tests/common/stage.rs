@@ -123,3 +123,15 @@ pub(crate) fn quad_mesh(center: Vec3, u: Vec3, v: Vec3) -> Mesh {
 pub(crate) fn with_uvs(mesh: Mesh, uvs: [Vec2; 4]) -> Mesh {
     Mesh { uvs: [uvs.into(), Vec::new()], ..mesh }
 }
+
+/// The box `center ± half`, its front outside.
+pub(crate) fn box_mesh(center: Vec3, half: Vec3) -> Mesh {
+    let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
+    let sides =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    Mesh {
+        positions: (0..8).map(|i| center + half * (corner(i) * 2.0 - 1.0)).collect(),
+        triangles: sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+        ..Mesh::default()
+    }
+}

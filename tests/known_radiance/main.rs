@@ -9,6 +9,7 @@ mod enclosures;
 mod geometry;
 mod irradiance;
 mod matrix;
+mod media;
 mod shading;
 mod sides;
 mod strategies;
