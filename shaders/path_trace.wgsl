@@ -56,8 +56,8 @@ fn path_radiance(sampler_p: Sampler, camera: Ray, is_active: bool) -> vec3<f32> 
                 p.radiance += path_emission(p, m, s);
             }
 #endif
-            b = material_bsdf(m, s);
-            frame_s = frame_from_normal(s.ns);
+            frame_s = material_frame(m, s);
+            b = material_bsdf(m, s, frame_s, material_eta(m, s, INVALID, 1.0));
         }
         fault_watch(p.radiance, bounce, material);
         p.is_alive = p.is_alive && bounce < frame.max_bounces;
