@@ -74,8 +74,8 @@ fn path_radiance(sampler_p: Sampler, camera: Ray, is_active: bool) -> vec3<f32> 
 #if DISPERSION
             p = path_choose_channel(p, m, sampler_choice(sampler_p, bounce, 0u).z);
 #endif
-            b = material_bsdf(m, s);
-            frame_s = frame_from_normal(s.ns);
+            frame_s = material_frame(m, s);
+            b = material_bsdf(m, s, frame_s, path_eta(p, m, s));
         }
         fault_watch(p.radiance, bounce, material);
         p.is_alive = p.is_alive && bounce < frame.max_bounces;
@@ -89,10 +89,10 @@ fn path_radiance(sampler_p: Sampler, camera: Ray, is_active: bool) -> vec3<f32> 
                 var d = direct_none();
                 if p.is_alive {
                     d = direct_sample(s, b, frame_s, sampler_p, bounce, u.xy, i);
-                }
 #if MEDIA
-                d.radiance *= media_along(p.media, s, d.ray);
+                    d.radiance *= media_along(p.media, s, d.ray);
 #endif
+                }
                 let has_ray = max_component(d.radiance) > 0.0;
                 path_shadow_ray_count += select(0u, 1u, has_ray);
                 let is_blocked = trace_any(d.ray, has_ray);

@@ -40,6 +40,9 @@ pub struct RenderSettings {
     pub block_size: u32,
     /// Acceleration structure.
     pub accel: Accel,
+    /// Multiply GGX's reflection by what single scattering loses of it (Turquin 2019): brighter
+    /// rough metals, not exact.
+    pub energy_compensation: bool,
     /// Compile every feature whether or not the scene needs it.
     pub all_features: bool,
 }
@@ -108,6 +111,7 @@ impl Default for RenderSettings {
             camera: 0,
             block_size: 16,
             accel: Accel::Bvh,
+            energy_compensation: false,
             all_features: false,
         }
     }

@@ -18,6 +18,10 @@ struct Surface {
     // Unit normals on wo's side.
     ng: vec3<f32>,
     ns: vec3<f32>,
+#if CLEARCOAT
+    // The vertices' normal, also where ns follows a normal map.
+    nv: vec3<f32>,
+#endif
     // Unit tangent along u and the bitangent's sign; 0 where there are no texture coordinates.
     tangent: vec4<f32>,
     // Towards where the path came from.
@@ -62,6 +66,9 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
         s.ns = -s.ns;
     }
     s.ns = surface_bend(s.ns, s.wo);
+#if CLEARCOAT
+    s.nv = s.ns;
+#endif
     return s;
 }
 

@@ -3,15 +3,20 @@
 
 // The shading normal at s with the material's normal map applied.
 fn normal_map_ns(m: Material, s: Surface) -> vec3<f32> {
-    if m.normal_texture == INVALID || all(s.tangent.xyz == vec3<f32>(0.0)) {
-        return s.ns;
+    return normal_mapped(m.normal_texture, m.normal_scale, s, s.ns);
+}
+
+// A normal on wo's side, `ns` where there is no map, turned by one.
+fn normal_mapped(texture: u32, scale: f32, s: Surface, ns: vec3<f32>) -> vec3<f32> {
+    if texture == INVALID || all(s.tangent.xyz == vec3<f32>(0.0)) {
+        return ns;
     }
-    let texel = texture_or_white(m.normal_texture, s.uv).xyz * 2.0 - 1.0;
-    let n = texel * vec3<f32>(m.normal_scale, m.normal_scale, 1.0);
+    let texel = texture_or_white(texture, s.uv).xyz * 2.0 - 1.0;
+    let n = texel * vec3<f32>(scale, scale, 1.0);
     // The map describes the front; the back sees its mirror image through the surface.
-    let front = select(-s.ns, s.ns, s.is_front);
+    let front = select(-ns, ns, s.is_front);
     let t = surface_unit(s.tangent.xyz - front * dot(front, s.tangent.xyz));
     let b = cross(front, t) * s.tangent.w;
-    let ns = surface_unit(t * n.x + b * n.y + front * n.z);
-    return surface_bend(select(-ns, ns, s.is_front), s.wo);
+    let mapped = surface_unit(t * n.x + b * n.y + front * n.z);
+    return surface_bend(select(-mapped, mapped, s.is_front), s.wo);
 }

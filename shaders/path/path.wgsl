@@ -138,7 +138,7 @@ fn path_eta(p: Path, m: Material, s: Surface) -> f32 {
 // Draws the next direction; the path ends where there is none.
 fn path_scatter(path: Path, s: Surface, b: Bsdf, frame_s: mat3x3<f32>, u: vec2<f32>, roulette: f32, bounce: u32) -> Path {
     var p = path;
-    let scattered = bsdf_sample(b, s.wo * frame_s, u);
+    let scattered = bsdf_sample(b, s.wo * frame_s, u, roulette);
     let wi = frame_s * scattered.wi;
     // A shading normal can send light through the true surface, or the reverse: such a path ends.
     let crosses = (scattered.wi.z < 0.0) != (dot(wi, s.ng) < 0.0);
@@ -160,7 +160,7 @@ fn path_scatter(path: Path, s: Surface, b: Bsdf, frame_s: mat3x3<f32>, u: vec2<f
         p.delta_run = select(0u, p.delta_run + 1u, scattered.pdf == PDF_DELTA);
         q = select(q, min(q, DELTA_SURVIVAL), p.delta_run > DELTA_RUN);
 #endif
-        p.is_alive = p.is_alive && roulette < q;
+        p.is_alive = p.is_alive && scattered.choice < q;
         p.throughput /= q;
     }
 #endif

@@ -192,6 +192,10 @@ pub(crate) struct SamplingFlags {
     #[arg(long, value_parser = values::one_of(values::ACCELS), default_value = "bvh")]
     pub(crate) accel: Accel,
 
+    /// Brighten rough metals by what GGX loses where light scatters once only; not exact
+    #[arg(long)]
+    pub(crate) energy_compensation: bool,
+
     /// Compile what the scene needs (default), or everything
     #[arg(long, value_name = "needed|all", value_parser = ["needed", "all"])]
     pub(crate) features: Option<String>,

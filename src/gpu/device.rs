@@ -178,6 +178,14 @@ impl Device {
         polled.map(|_| ()).map_err(|e| Error::DeviceLost(format!("{}: {e}", self.info.name)))
     }
 
+    /// A uniform buffer with these contents.
+    pub(super) fn uniform_buffer(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
+        use wgpu::util::{BufferInitDescriptor, DeviceExt};
+        let usage = wgpu::BufferUsages::UNIFORM;
+        let label = Some(label);
+        self.device.create_buffer_init(&BufferInitDescriptor { label, contents, usage })
+    }
+
     /// A buffer that shaders can read and copies can fill.
     pub(crate) fn storage_buffer(&self, label: &str, bytes: &[u8]) -> wgpu::Buffer {
         use wgpu::util::DeviceExt;

@@ -3,8 +3,6 @@
 use super::GpuMaterial;
 use crate::scene::{AlphaMode, ColorSpace, Image, Material, Scene, TextureRef, Wrap};
 use crate::shader::generated::{INVALID, material, texture};
-use glam::Vec3;
-use std::borrow::Cow;
 
 /// `materials` and `textures`.
 pub(super) struct Materials {
@@ -39,45 +37,19 @@ pub(super) fn build(scene: &Scene) -> Materials {
         .enumerate()
         .map(|(i, m)| {
             // A material that nothing wears brings no image with it.
-            let black = black_if_unlit(m);
-            let m = &*black;
-            let mut slot = |t| if used.contains(&i) { descriptors.index_of(t) } else { INVALID };
-            let textures = [
-                slot(m.base_color_texture),
-                slot(m.metallic_roughness_texture),
-                slot(m.normal_texture),
-                slot(m.emission_texture),
-            ];
-            record(m, textures)
+            let mut slot = |t: Option<TextureRef>| {
+                if used.contains(&i) { descriptors.index_of(t) } else { INVALID }
+            };
+            record(&m.without_shading(), &mut slot)
         })
         .collect();
     Materials { records, textures: pack(&descriptors.list, &scene.images) }
 }
 
-/// An unlit material scatters nothing.
-fn black_if_unlit(m: &Material) -> Cow<'_, Material> {
-    if !m.unlit {
-        return Cow::Borrowed(m);
-    }
-    let (emission, emission_texture) = m.emitted();
-    Cow::Owned(Material {
-        name: m.name.clone(),
-        unlit: true,
-        emission,
-        emission_texture,
-        base_color: Vec3::ZERO,
-        base_color_texture: m.base_color_texture,
-        alpha: m.alpha,
-        alpha_mode: m.alpha_mode,
-        metallic: 0.0,
-        specular: 0.0,
-        ..Material::default()
-    })
-}
-
-fn record(m: &Material, textures: [u32; 4]) -> GpuMaterial {
+/// `slot` numbers a texture.
+fn record(m: &Material, slot: &mut dyn FnMut(Option<TextureRef>) -> u32) -> GpuMaterial {
     let flag = |holds: bool, bit: u32| if holds { bit } else { 0 };
-    GpuMaterial {
+    let mut gpu = GpuMaterial {
         base_color: m.base_color.into(),
         alpha: m.alpha,
         emission: m.emission.into(),
@@ -96,13 +68,85 @@ fn record(m: &Material, textures: [u32; 4]) -> GpuMaterial {
         normal_scale: m.normal_scale,
         flags: flag(m.emits_behind(), material::EMITS_BEHIND)
             | flag(m.volume, material::VOLUME)
-            | flag(m.unlit, material::UNLIT),
-        base_color_texture: textures[0],
-        metallic_roughness_texture: textures[1],
-        normal_texture: textures[2],
-        emission_texture: textures[3],
-        padding_0: 0,
-        padding_1: 0,
+            | flag(m.unlit, material::UNLIT)
+            | flag(m.specular_glossiness.is_some(), material::SPECULAR_GLOSSINESS),
+        base_color_texture: slot(m.base_color_texture),
+        metallic_roughness_texture: slot(m.metallic_roughness_texture),
+        normal_texture: slot(m.normal_texture),
+        emission_texture: slot(m.emission_texture),
+        specular_texture: slot(m.specular_texture),
+        specular_color_texture: slot(m.specular_color_texture),
+        absorption: m.absorption.into(),
+        dispersion: m.dispersion,
+        transmission_texture: slot(m.transmission_texture),
+        ..no_extension()
+    };
+    extensions(&mut gpu, m, slot);
+    gpu
+}
+
+/// A material without any of the extensions that [`extensions`] writes.
+fn no_extension() -> GpuMaterial {
+    GpuMaterial {
+        anisotropy_cos: 1.0,
+        film_ior: 1.0,
+        diffuse_transmission_texture: INVALID,
+        diffuse_transmission_color_texture: INVALID,
+        anisotropy_texture: INVALID,
+        iridescence_texture: INVALID,
+        film_texture: INVALID,
+        sheen_color_texture: INVALID,
+        sheen_roughness_texture: INVALID,
+        clearcoat_texture: INVALID,
+        clearcoat_roughness_texture: INVALID,
+        clearcoat_normal_texture: INVALID,
+        specular_glossiness_texture: INVALID,
+        ..bytemuck::Zeroable::zeroed()
+    }
+}
+
+fn extensions(
+    gpu: &mut GpuMaterial,
+    m: &Material,
+    slot: &mut dyn FnMut(Option<TextureRef>) -> u32,
+) {
+    if let Some(s) = &m.specular_glossiness {
+        gpu.specular_color = s.specular.into();
+        gpu.specular = 1.0;
+        gpu.roughness = s.glossiness;
+        gpu.specular_glossiness_texture = slot(s.texture);
+    }
+    if let Some(d) = &m.diffuse_transmission {
+        gpu.diffuse_transmission = d.factor;
+        gpu.diffuse_transmission_color = d.color.into();
+        gpu.diffuse_transmission_texture = slot(d.texture);
+        gpu.diffuse_transmission_color_texture = slot(d.color_texture);
+    }
+    if let Some(a) = &m.anisotropy {
+        gpu.anisotropy = a.strength;
+        (gpu.anisotropy_sin, gpu.anisotropy_cos) = a.rotation.sin_cos();
+        gpu.anisotropy_texture = slot(a.texture);
+    }
+    if let Some(i) = &m.iridescence {
+        gpu.iridescence = i.factor;
+        gpu.film_ior = i.ior;
+        (gpu.film_minimum, gpu.film_maximum) = (i.thickness_minimum, i.thickness_maximum);
+        gpu.iridescence_texture = slot(i.texture);
+        gpu.film_texture = slot(i.thickness_texture);
+    }
+    if let Some(s) = &m.sheen {
+        gpu.sheen_color = s.color.into();
+        gpu.sheen_roughness = s.roughness;
+        gpu.sheen_color_texture = slot(s.color_texture);
+        gpu.sheen_roughness_texture = slot(s.roughness_texture);
+    }
+    if let Some(c) = &m.clearcoat {
+        gpu.clearcoat = c.factor;
+        gpu.clearcoat_roughness = c.roughness;
+        gpu.clearcoat_normal_scale = c.normal_scale;
+        gpu.clearcoat_texture = slot(c.texture);
+        gpu.clearcoat_roughness_texture = slot(c.roughness_texture);
+        gpu.clearcoat_normal_texture = slot(c.normal_texture);
     }
 }
 

@@ -1,5 +1,6 @@
 //! Everything that knows wgpu, except the passes.
 
+mod albedos;
 mod batch;
 mod camera;
 mod device;

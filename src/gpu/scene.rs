@@ -2,10 +2,11 @@
 
 use super::limits::check_binding;
 use super::world::{Emitter, TreeWidth, World};
-use super::{BufferFacts, Device, environment, lights, materials};
+use super::{BufferFacts, Device, albedos, environment, lights, materials};
 use crate::Result;
 use crate::scene::Scene;
 use crate::settings::RenderSettings;
+use crate::shader::Features;
 
 /// Everything of the scene that the device reads, still in memory.
 pub struct SceneBuffers {
@@ -14,6 +15,7 @@ pub struct SceneBuffers {
     materials: materials::Materials,
     pub(super) lights: lights::Lights,
     environment: Option<environment::EnvironmentMap>,
+    albedos: Vec<f32>,
 }
 
 /// The scene on the device, by the names of the variables that the shaders read.
@@ -35,7 +37,8 @@ impl SceneBuffers {
     pub fn build(scene: &Scene, settings: &RenderSettings, width: TreeWidth) -> Result<Self> {
         let world = World::build(scene, settings.accel, width)?;
         let (lights, environment) = lighting(scene, &world.emitters);
-        Ok(Self { world, materials: materials::build(scene), lights, environment })
+        let albedos = albedos::build(Features::of(scene, settings));
+        Ok(Self { world, materials: materials::build(scene), lights, environment, albedos })
     }
 
     /// What the device would hold: name and bytes of each buffer.
@@ -67,8 +70,10 @@ impl SceneBuffers {
             check_binding(device.info(), &format!("the scene's {name}"), bytes.len(), remedy)?;
         }
         let bytes = arrays.iter().map(|(_, _, b)| b.len() as u64).sum();
-        let buffers =
+        let mut buffers: Vec<_> =
             arrays.iter().map(|(name, _, b)| (*name, device.storage_buffer(name, b))).collect();
+        let albedos = bytemuck::cast_slice(&self.albedos);
+        buffers.push(("albedos", device.uniform_buffer("albedos", albedos)));
         device.wait()?;
         let emitters = self.world.emitters.clone();
         Ok(GpuScene { buffers, bytes, facts: self.facts(), emitters })

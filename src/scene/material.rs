@@ -4,6 +4,7 @@
 
 use super::TextureRef;
 use glam::Vec3;
+use std::borrow::Cow;
 
 /// How a surface scatters and emits. Factors multiply their textures.
 #[derive(Debug, Clone)]
@@ -219,6 +220,27 @@ impl Material {
             true => (self.base_color, self.base_color_texture),
             false => (self.emission, self.emission_texture),
         }
+    }
+
+    /// Itself, or for an unlit material what is left of it: black, with its emission.
+    pub fn without_shading(&self) -> Cow<'_, Material> {
+        if !self.unlit {
+            return Cow::Borrowed(self);
+        }
+        let (emission, emission_texture) = self.emitted();
+        Cow::Owned(Material {
+            name: self.name.clone(),
+            unlit: true,
+            emission,
+            emission_texture,
+            base_color: Vec3::ZERO,
+            base_color_texture: self.base_color_texture,
+            alpha: self.alpha,
+            alpha_mode: self.alpha_mode,
+            metallic: 0.0,
+            specular: 0.0,
+            ..Material::default()
+        })
     }
 
     /// Whether its back emits too.

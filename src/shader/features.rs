@@ -1,7 +1,7 @@
 //! What a scene and its settings need of the shaders. One function decides,
 //! [`Features::of`]; the names are the words behind `#if`.
 
-use crate::scene::{AlphaMode, LightKind, Material, Projection, Scene};
+use crate::scene::{LightKind, Projection, Scene};
 use crate::settings::{Accel, RenderSettings, Sampler, Strategy};
 use crate::stopping::StoppingRule;
 use std::fmt;
@@ -51,6 +51,32 @@ features! {
     Delta = "DELTA",
     /// Light passes through surfaces.
     Transmission = "TRANSMISSION",
+    /// It passes through rough ones: a lobe with a density.
+    RoughTransmission = "ROUGH_TRANSMISSION",
+    /// The transmitted share has a texture.
+    TransmissionTexture = "TRANSMISSION_TEXTURE",
+    /// An index of refraction for each channel.
+    Dispersion = "DISPERSION",
+    /// Diffuse light on the other side.
+    DiffuseTransmission = "DIFFUSE_TRANSMISSION",
+    /// Lobes with a density reach below the surface: either of these two.
+    LowerLobes = "LOWER_LOBES",
+    /// Metal and dielectric reflect each by a formula of its own.
+    SplitFresnel = "SPLIT_FRESNEL",
+    /// Textures of the dielectric's reflectance.
+    SpecularTextures = "SPECULAR_TEXTURES",
+    /// Specular colour and glossiness in place of metallic and roughness.
+    SpecularGlossiness = "SPECULAR_GLOSSINESS",
+    /// Stretched highlights.
+    Anisotropy = "ANISOTROPY",
+    /// A thin film on the base.
+    Iridescence = "IRIDESCENCE",
+    /// Fibres above the base.
+    Sheen = "SHEEN",
+    /// A clear layer above all else.
+    Clearcoat = "CLEARCOAT",
+    /// That layer has a normal map.
+    ClearcoatNormal = "CLEARCOAT_NORMAL",
     /// Light passes into volumes: their absorption, and indices inside each other.
     Media = "MEDIA",
     /// Emission that vertex colours multiply.
@@ -95,6 +121,8 @@ features! {
     SeedRule = "SEED_RULE",
     /// Traversals count what they visit.
     VisitCounts = "VISIT_COUNTS",
+    /// What GGX loses by scattering once is given back.
+    EnergyCompensation = "ENERGY_COMPENSATION",
 }
 
 impl Feature {
@@ -121,6 +149,7 @@ impl Feature {
                 | Adaptive
                 | SeedRule
                 | VisitCounts
+                | EnergyCompensation
         )
     }
 }
@@ -191,6 +220,8 @@ impl Features {
             .with_if(Feature::BruteForce, settings.accel == Accel::None)
             .with_if(Feature::Roulette, settings.roulette)
             .with_if(Feature::Sobol, settings.sampler == Sampler::Sobol)
+            .with_if(Feature::EnergyCompensation, settings.energy_compensation)
+            .with_if(Feature::SplitFresnel, settings.energy_compensation)
             .with_if(Feature::Adaptive, settings.stopping_rule().is_some())
             .with_if(
                 Feature::SeedRule,
@@ -212,31 +243,6 @@ impl Features {
             .with_if(Feature::Instances, scene.shared_meshes().contains(&true))
             .with_if(Feature::Attributes, placed().any(|m| !m.normals.is_empty() || has_data(m)))
             .with_if(Feature::VertexData, placed().any(has_data))
-    }
-
-    fn with_materials(self, scene: &Scene) -> Self {
-        let used = scene.used_materials();
-        let any = |f: &dyn Fn(&Material) -> bool| used.iter().any(|&m| f(&scene.materials[m]));
-        let is_specular = |m: &Material| m.metallic > 0.0 || m.specular > 0.0;
-        // A texture can bring the roughness of any texel down to 0.
-        let is_smooth = |m: &Material| {
-            m.roughness * m.roughness < 1e-3 || m.metallic_roughness_texture.is_some()
-        };
-        self.with_if(Feature::Alpha, any(&|m| m.alpha_mode != AlphaMode::Opaque))
-            .with_if(Feature::Textures, any(&|m| m.textures().next().is_some()))
-            .with_if(
-                Feature::Ggx,
-                any(&|m| {
-                    is_specular(m) && m.roughness * m.roughness >= 1e-3 && m.transmission == 0.0
-                }),
-            )
-            .with_if(
-                Feature::Delta,
-                any(&|m| m.transmission > 0.0 || (is_specular(m) && is_smooth(m))),
-            )
-            .with_if(Feature::Media, any(&Material::is_boundary))
-            .with_if(Feature::Unlit, any(&|m| m.unlit))
-            .with_if(Feature::Transmission, any(&|m| m.transmission > 0.0))
     }
 
     fn with_lights(self, scene: &Scene) -> Self {

@@ -25,6 +25,10 @@ pub const NORMAL_95: f32 = 1.96;
 const SCAN_THREADS: u32 = 64;
 /// The list of active pixels is filled up to a multiple of this: the largest workgroup.
 pub const LIST_PADDING: u32 = 256;
+/// Rows, and columns, of a table of directional albedos.
+pub const ALBEDO_TABLE_SIDE: u32 = 32;
+/// Square root of the alpha of its first row; the last one's is 1.
+pub const ALBEDO_TABLE_LEAST: f32 = 0.031_622_775;
 /// `vec4`s of an instance's record in the node buffer.
 pub const TREE_RECORD_SIZE: u32 = 8;
 
@@ -54,6 +58,8 @@ pub mod material {
     pub const VOLUME: u32 = 2;
     /// Vertex colours multiply its emission.
     pub const UNLIT: u32 = 4;
+    /// Specular colour and glossiness stand in place of metallic and roughness.
+    pub const SPECULAR_GLOSSINESS: u32 = 8;
 }
 
 /// Kinds of light.
@@ -166,6 +172,7 @@ pub fn wgsl(stack_size: u32, workgroup_size: u32) -> String {
         ("MATERIAL_EMITS_BEHIND", material::EMITS_BEHIND),
         ("MATERIAL_VOLUME", material::VOLUME),
         ("MATERIAL_UNLIT", material::UNLIT),
+        ("MATERIAL_SPECULAR_GLOSSINESS", material::SPECULAR_GLOSSINESS),
         ("LIGHT_TRIANGLE", light::TRIANGLE),
         ("LIGHT_SPHERE", light::SPHERE),
         ("LIGHT_POINT", light::POINT),
@@ -189,6 +196,8 @@ pub fn wgsl(stack_size: u32, workgroup_size: u32) -> String {
         ("RUNS", RUNS),
         ("SCAN_THREADS", SCAN_THREADS),
         ("LIST_PADDING", LIST_PADDING),
+        ("ALBEDO_TABLE_SIDE", ALBEDO_TABLE_SIDE),
+        ("ALBEDO_TABLE_LENGTH", 2 * ALBEDO_TABLE_SIDE * ALBEDO_TABLE_SIDE / 4),
     ];
     for (name, value) in unsigned {
         writeln!(text, "const {name}: u32 = {value}u;").unwrap();
@@ -197,6 +206,7 @@ pub fn wgsl(stack_size: u32, workgroup_size: u32) -> String {
     writeln!(text, "const GRID_MAX: f32 = {:?};", bvh::GRID_MAX as f32).unwrap();
     writeln!(text, "const MIN_DIRECTION: f32 = {:?};", bvh::MIN_DIRECTION).unwrap();
     writeln!(text, "const PDF_DELTA: f32 = {PDF_DELTA:?};").unwrap();
+    writeln!(text, "const ALBEDO_TABLE_LEAST: f32 = {ALBEDO_TABLE_LEAST:?};").unwrap();
     writeln!(text, "const NORMAL_95: f32 = {NORMAL_95:?};").unwrap();
     writeln!(text, "const ONE_BELOW: f32 = {:?};", 1.0_f32.next_down()).unwrap();
     text.push_str(&super::sobol::wgsl());

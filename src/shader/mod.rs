@@ -6,6 +6,7 @@ mod compose;
 mod features;
 pub mod generated;
 mod library;
+mod material_features;
 mod sobol;
 
 pub use compose::{Composed, LineOrigin, compose};

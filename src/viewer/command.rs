@@ -110,6 +110,9 @@ fn arguments(info: &SceneInfo, wish: &Wish, output: &str) -> Vec<String> {
     if !s.roulette {
         words.push("--no-roulette".into());
     }
+    if s.energy_compensation {
+        words.push("--energy-compensation".into());
+    }
     words
 }
 

@@ -39,9 +39,15 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     b.diffuse_f90 = i.transmitted.w;
     b.alpha = i.wo.w;
     b.eta = i.wi.w;
+#if SPLIT_FRESNEL
+    // Clear glass without KHR_materials_specular.
+    b.is_interface = bsdf_transmits(b);
+    b.is_split = b.is_interface;
+    b.diffuse_f90 = select(b.diffuse_f90, 1.0, b.is_interface);
+#endif
     let wo = i.wo.xyz;
     let wi = i.wi.xyz;
-    let s = bsdf_sample(b, wo, i.u.xy);
+    let s = bsdf_sample(b, wo, i.u.xy, i.u.z);
     let other = vec4<f32>(bsdf_eval(b, wo, wi), bsdf_pdf(b, wo, wi));
     outputs[id.x] = Output(vec4<f32>(s.wi, s.pdf), vec4<f32>(s.weight, s.eta_scale), other);
 }

@@ -46,7 +46,8 @@ fn met_pdf(from_point: vec3<f32>, ray: Ray, l: LightSample) -> f32 {
 }
 
 fn weights(s: Surface, thread: u32) -> vec4<f32> {
-    let b = material_bsdf(materials[s.material], s);
+    let m = materials[s.material];
+    let b = material_bsdf(m, s, frame_from_normal(s.ns), material_eta(m, s, INVALID, 1.0));
     let u = random(thread, 100u);
     let l = light_sample(s, u.xy, u.z);
     if !bsdf_is_smooth(b) || max_component(l.weight) <= 0.0 || dot(l.wi, s.ng) <= 0.0 {
@@ -76,8 +77,9 @@ fn path_weights(bounces: u32, path: u32) -> vec4<f32> {
             return weights(s, path);
         }
         let frame_s = frame_from_normal(s.ns);
-        let b = material_bsdf(materials[s.material], s);
-        let scattered = bsdf_sample(b, s.wo * frame_s, random(path, 1u + bounce).xy);
+        let m = materials[s.material];
+        let b = material_bsdf(m, s, frame_s, material_eta(m, s, INVALID, 1.0));
+        let scattered = bsdf_sample(b, s.wo * frame_s, random(path, 1u + bounce).xy, 0.5);
         let wi = frame_s * scattered.wi;
         if scattered.pdf == 0.0 || dot(wi, s.ng) <= 0.0 {
             break;

@@ -82,7 +82,7 @@ impl Input {
 }
 
 fn run(inputs: &[Input]) -> Vec<Output> {
-    let features = [Feature::Ggx, Feature::Delta, Feature::Transmission];
+    let features = [Feature::Ggx, Feature::Delta, Feature::Transmission, Feature::SplitFresnel];
     Call::new(harness!("bsdf"), &features).run(inputs, 1)
 }
 
