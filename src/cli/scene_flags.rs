@@ -1,6 +1,7 @@
 //! Flags about how a scene file is read.
 
 use clap::Args;
+use std::path::PathBuf;
 use steradian::scene::gltf::LoadOptions;
 
 /// How the scene file is read: the same for every command that reads one.
@@ -10,11 +11,14 @@ pub(crate) struct SceneFlags {
     /// Refuse a scene with anything that is approximated or ignored
     #[arg(long)]
     pub(crate) strict: bool,
+    /// A folder besides the scene's own whose files it may refer to; may be given several times
+    #[arg(long, value_name = "DIR")]
+    pub(crate) allow_external: Vec<PathBuf>,
 }
 
 impl SceneFlags {
     /// What the loader is told.
     pub(crate) fn options(&self) -> LoadOptions {
-        LoadOptions { strict: self.strict }
+        LoadOptions { strict: self.strict, allow_external: self.allow_external.clone() }
     }
 }

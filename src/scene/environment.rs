@@ -61,9 +61,19 @@ impl Environment {
 
     /// As [`load`](Self::load); also the number of pixels with negative values.
     pub fn load_counting_negatives(path: &Path) -> Result<(Self, usize)> {
+        let bytes = read_file(path).map_err(|message| Error::scene(path, message))?;
+        Self::from_bytes(path, &bytes)
+    }
+
+    /// From the bytes of a file, as [`load_counting_negatives`](Self::load_counting_negatives);
+    /// `path` is for messages and names the map.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Scene`] as for [`load`](Self::load).
+    pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<(Self, usize)> {
         let error = |message: String| Error::scene(path, message);
-        let (width, height, mut radiance) =
-            read_file(path).and_then(|bytes| decode(&bytes)).map_err(error)?;
+        let (width, height, mut radiance) = decode(bytes).map_err(error)?;
         let mut negative_count = 0;
         for (i, pixel) in radiance.iter_mut().enumerate() {
             if !pixel.is_finite() {

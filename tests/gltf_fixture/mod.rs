@@ -153,7 +153,8 @@ impl Fixture {
     }
 
     pub(crate) fn load_strict(&self) -> steradian::Result<Scene> {
-        load_with(&self.write("scene.glb", &self.glb()), &LoadOptions { strict: true })
+        let options = LoadOptions { strict: true, ..LoadOptions::default() };
+        load_with(&self.write("scene.glb", &self.glb()), &options)
     }
 
     /// The message with which the file is refused.

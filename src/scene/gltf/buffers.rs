@@ -72,7 +72,7 @@ pub(super) fn read_resource<'a>(
     what: &str,
 ) -> Result<Cow<'a, [u8]>> {
     let in_document = |message: String| document.error(format!("{what}: {message}"));
-    match uri::resolve(&document.folder, uri).map_err(in_document)? {
+    match uri::resolve(&document.reach, uri).map_err(in_document)? {
         Resource::Data(bytes) => {
             document.budget.take_bytes(bytes.len() as u64).map_err(in_document)?;
             Ok(Cow::Owned(bytes))

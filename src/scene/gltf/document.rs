@@ -1,6 +1,7 @@
 //! The parsed JSON of a scene file, and how its objects are named in messages.
 
 use super::limits::Budget;
+use super::uri::Reach;
 use crate::{Error, Result};
 use gltf::json;
 use serde::Deserialize;
@@ -12,8 +13,8 @@ use std::path::{Path, PathBuf};
 pub(super) struct Document {
     /// The scene file as the caller named it.
     pub(super) path: PathBuf,
-    /// The canonical folder of the scene file; all resources lie in it.
-    pub(super) folder: PathBuf,
+    /// Where its resources lie.
+    pub(super) reach: Reach,
     /// The JSON as the `gltf` crate's types.
     pub(super) root: json::Root,
     /// The JSON as it is, for extensions those types lack; without what is never read.
@@ -25,8 +26,8 @@ pub(super) struct Document {
 }
 
 impl Document {
-    /// Parses the JSON text of the scene file `path`.
-    pub(super) fn parse(path: &Path, json: &[u8], budget: Budget) -> Result<Self> {
+    /// Parses the JSON text of the scene file `path`, which may name files within `reach`.
+    pub(super) fn parse(path: &Path, json: &[u8], reach: Reach, budget: Budget) -> Result<Self> {
         let invalid = |e: &dyn std::fmt::Display| Error::scene(path, format!("not glTF 2.0: {e}"));
         let mut raw: Value = serde_json::from_slice(json).map_err(|e| invalid(&e))?;
         check_version(&raw).map_err(|e| invalid(&e))?;
@@ -44,14 +45,7 @@ impl Document {
                 Err(located) => invalid(&located),
                 Ok(_) => invalid(&e),
             })?;
-        let folder = match path.parent() {
-            Some(parent) if parent != Path::new("") => parent,
-            _ => Path::new("."),
-        };
-        let folder = folder
-            .canonicalize()
-            .map_err(|e| Error::scene(path, format!("its folder cannot be read: {e}")))?;
-        Ok(Self { path: path.into(), folder, root, raw, animation_count, budget })
+        Ok(Self { path: path.into(), reach, root, raw, animation_count, budget })
     }
 
     /// An error in the scene file.

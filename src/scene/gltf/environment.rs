@@ -23,7 +23,7 @@ pub(super) fn read(
     let Some(source) = extras.and_then(|extras| extras.environment) else { return Ok(None) };
 
     let mut environment = match (&source.uri, source.radiance) {
-        (Some(uri), None) => match uri::resolve(&document.folder, uri).map_err(error)? {
+        (Some(uri), None) => match uri::resolve(&document.reach, uri).map_err(error)? {
             Resource::File(path) => {
                 let (environment, clamped) = Environment::load_counting_negatives(&path)?;
                 if clamped > 0 {

@@ -34,13 +34,17 @@ use document::Document;
 use glam::Vec3;
 use limits::Budget;
 use notices::Notices;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use uri::Reach;
 
 /// How to treat what cannot be rendered as the file says.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct LoadOptions {
     /// Refuse a file with any feature that is approximated or ignored.
     pub strict: bool,
+    /// Folders besides the scene's own whose files it may name: by `..`, as an absolute
+    /// path or through a link. Without any, a scene reads nothing outside its folder.
+    pub allow_external: Vec<PathBuf>,
 }
 
 /// Loads a `.gltf` or `.glb` file with default options.
@@ -60,11 +64,46 @@ pub fn load(path: &Path) -> Result<Scene> {
 /// also where there is no geometry to render.
 pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let budget = Budget::default();
-    let mut notices = Notices::default();
-
     let bytes = buffers::read_file(path, &budget)?;
-    let container = container::split(&bytes).map_err(|message| Error::scene(path, message))?;
-    let document = &Document::parse(path, container.json, budget)?;
+    let folder = match path.parent() {
+        Some(parent) if parent != Path::new("") => parent,
+        _ => Path::new("."),
+    };
+    load_within(path, Some(folder), &bytes, options, budget)
+}
+
+/// Loads the bytes of a `.gltf` or `.glb` file. `name` stands for its path in messages,
+/// and its stem names the scene. The files that it refers to lie in `folder`; without a
+/// folder it may only refer to data URIs.
+///
+/// # Errors
+///
+/// As [`load_with`].
+pub fn load_bytes(
+    name: &Path,
+    folder: Option<&Path>,
+    bytes: &[u8],
+    options: &LoadOptions,
+) -> Result<Scene> {
+    let budget = Budget::default();
+    budget.take_bytes(bytes.len() as u64).map_err(|message| Error::scene(name, message))?;
+    load_within(name, folder, bytes, options, budget)
+}
+
+/// The steps of loading; `budget` has the size of `bytes` already.
+fn load_within(
+    path: &Path,
+    folder: Option<&Path>,
+    bytes: &[u8],
+    options: &LoadOptions,
+    budget: Budget,
+) -> Result<Scene> {
+    let mut notices = Notices::default();
+    let container = container::split(bytes).map_err(|message| Error::scene(path, message))?;
+    let reach = Reach::new(folder, &options.allow_external).map_err(|(folder, e)| {
+        Error::scene(path, format!("the folder {} cannot be read: {e}", folder.display()))
+    })?;
+    let document = &Document::parse(path, container.json, reach, budget)?;
     extensions::check(document, &mut notices)?;
     let buffers = &Buffers::load(document, container.bin)?;
 
