@@ -10,11 +10,23 @@ pub(crate) struct SceneFlags {
     /// Refuse a scene with anything that is approximated or ignored
     #[arg(long)]
     pub(crate) strict: bool,
+
+    /// Show animations at this time, seconds, instead of the rest pose
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    pub(crate) frame_time: Option<f64>,
+
+    /// Which of the scene's animations: its name, its number, or `all`
+    #[arg(long, value_name = "NAME|INDEX", requires = "frame_time")]
+    pub(crate) animation: Option<String>,
 }
 
 impl SceneFlags {
     /// What the loader is told.
     pub(crate) fn options(&self) -> LoadOptions {
-        LoadOptions { strict: self.strict }
+        LoadOptions {
+            strict: self.strict,
+            frame_time: self.frame_time,
+            animation: self.animation.clone(),
+        }
     }
 }

@@ -76,6 +76,11 @@ impl Fixture {
         self.push("bufferViews", view)
     }
 
+    /// Bytes of the binary chunk so far.
+    pub(crate) fn bin_length(&self) -> usize {
+        self.bin.len()
+    }
+
     /// An accessor that is a whole view of these bytes.
     pub(crate) fn accessor(
         &mut self,
@@ -153,7 +158,10 @@ impl Fixture {
     }
 
     pub(crate) fn load_strict(&self) -> steradian::Result<Scene> {
-        load_with(&self.write("scene.glb", &self.glb()), &LoadOptions { strict: true })
+        load_with(
+            &self.write("scene.glb", &self.glb()),
+            &LoadOptions { strict: true, ..Default::default() },
+        )
     }
 
     /// The message with which the file is refused.

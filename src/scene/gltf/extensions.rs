@@ -8,7 +8,9 @@ use std::collections::BTreeSet;
 
 /// Extensions that are rendered. What of one is approximated has a notice of
 /// its own where it is read.
-const SUPPORTED: [&str; 8] = [
+const SUPPORTED: &[&str] = &[
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -16,6 +18,8 @@ const SUPPORTED: [&str; 8] = [
     "KHR_materials_transmission",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 ];
 
