@@ -3,6 +3,7 @@
 mod batch;
 mod camera;
 mod device;
+mod emission;
 mod environment;
 mod frame;
 mod lights;

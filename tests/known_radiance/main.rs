@@ -9,6 +9,7 @@ mod enclosures;
 mod geometry;
 mod irradiance;
 mod matrix;
+mod pictures;
 mod shading;
 mod strategies;
 mod surfaces;
