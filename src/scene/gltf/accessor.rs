@@ -157,7 +157,12 @@ impl<'a> Accessors<'a> {
         let element_size = kind.multiplicity() * component.0.size();
 
         let mut stride = element_size;
+        let decoded = self.buffers.decoded_accessor(index);
         let bytes = match accessor.buffer_view {
+            _ if decoded.is_some() => {
+                let bytes = decoded.unwrap_or_default();
+                Some(span(bytes, 0, count, stride, element_size).map_err(error)?)
+            }
             None => {
                 document.budget.take_zero_elements(count as u64).map_err(error)?;
                 None

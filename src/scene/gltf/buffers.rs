@@ -8,6 +8,7 @@ use gltf::json;
 use serde::Deserialize;
 use serde_json::Value;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -20,6 +21,8 @@ pub(super) struct Buffers<'a> {
     data: Vec<Option<Cow<'a, [u8]>>>,
     /// By bufferView: those that are compressed.
     compressed: Vec<Option<Compressed>>,
+    /// Elements, tightly packed, of accessors that have a decoded primitive's data.
+    decoded: BTreeMap<usize, Vec<u8>>,
 }
 
 struct Compressed {
@@ -55,7 +58,15 @@ impl<'a> Buffers<'a> {
         let views = 0..document.root.buffer_views.len();
         let compressed =
             views.map(|view| compressed_view(document, view)).collect::<Result<_>>()?;
-        Ok(Self { data, compressed })
+        let buffers = Self { data, compressed, decoded: BTreeMap::new() };
+        #[cfg(feature = "draco")]
+        let buffers = Self { decoded: super::draco::decode(document, &buffers)?, ..buffers };
+        Ok(buffers)
+    }
+
+    /// The elements of an accessor whose primitive is compressed.
+    pub(super) fn decoded_accessor(&self, index: json::Index<json::Accessor>) -> Option<&[u8]> {
+        self.decoded.get(&index.value()).map(Vec::as_slice)
     }
 
     /// The bytes of a buffer view.

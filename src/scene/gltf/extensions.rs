@@ -23,11 +23,22 @@ const SUPPORTED: &[&str] = &[
     "KHR_texture_transform",
 ];
 
+const DRACO: &str = "KHR_draco_mesh_compression";
+
+fn is_supported(name: &str) -> bool {
+    SUPPORTED.contains(&name) || (cfg!(feature = "draco") && name == DRACO)
+}
+
 /// Refuses a file that requires what is not supported; notes every other
 /// extension that occurs.
 pub(super) fn check(document: &Document, notices: &mut Notices) -> Result<()> {
     for name in &document.root.extensions_required {
-        if !SUPPORTED.contains(&name.as_str()) {
+        if name == DRACO && !cfg!(feature = "draco") {
+            return Err(document.error(format!(
+                "the file requires {DRACO}; build with `--features draco`, or export it without"
+            )));
+        }
+        if !is_supported(name) {
             return Err(document.error(format!(
                 "the file requires the extension {name:?}, which is not supported; export it without"
             )));
@@ -51,7 +62,11 @@ fn note(name: &str, place: &str, notices: &mut Notices) {
         "KHR_materials_unlit" => {
             notices.ignored("KHR_materials_unlit: shaded as an ordinary material", place);
         }
-        _ if SUPPORTED.contains(&name) => notices.honoured(name, place),
+        "EXT_lights_image_based" => {
+            let message = "EXT_lights_image_based: give the light with --environment";
+            notices.ignored(message, place);
+        }
+        _ if is_supported(name) => notices.honoured(name, place),
         _ => notices.ignored(format!("extension {}", name.escape_debug()), place),
     }
 }

@@ -75,6 +75,8 @@ pub(super) fn read(
         let label = document.label(placement.node);
         let mesh = document.get(index, &label)?;
         let weights = deform::weights(placement.weights.as_ref(), mesh);
+        let error = |message: String| document.error(format!("{label}: {message}"));
+        document.budget.take_elements(weights.len() as u64).map_err(error)?;
         let bits = weights.iter().map(|w| w.to_bits()).collect();
         let key = (index.value(), bits, node.skin.map(|_| placement.node.value()));
         let shape = match known.get(&key) {

@@ -7,7 +7,7 @@ use std::cell::Cell;
 /// Bytes of all files and data URIs of one scene: what a GLB's 32-bit length can say.
 const MAX_BYTES: u64 = 1 << 32;
 /// Bytes of all decompressed buffer views: a stream can stand for a hundred times its length.
-const MAX_DECODED: u64 = 1 << 30;
+pub(super) const MAX_DECODED: u64 = 1 << 30;
 /// Pixels of all images of one scene; 1 GiB decoded.
 const MAX_PIXELS: u64 = 1 << 28;
 /// Width and height of one image.

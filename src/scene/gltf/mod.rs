@@ -11,6 +11,8 @@ mod cameras;
 mod container;
 mod deform;
 mod document;
+#[cfg(feature = "draco")]
+mod draco;
 mod environment;
 mod extensions;
 mod extras;

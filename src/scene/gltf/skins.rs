@@ -37,6 +37,8 @@ pub(super) fn world_from_bind(
     if skin.joints.is_empty() {
         return Err(error("it has no joints".into()));
     }
+    // Every node with a skin has matrices of its own.
+    document.budget.take_elements(skin.joints.len() as u64).map_err(error)?;
     let bind = match skin.inverse_bind_matrices {
         Some(index) => inverse_bind_matrices(accessors, index, &skin_label)?,
         None => vec![DAffine3::IDENTITY; skin.joints.len()],
