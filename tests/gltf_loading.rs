@@ -256,16 +256,17 @@ fn the_default_scene_is_rendered_else_the_first_else_all_roots() {
 }
 
 #[test]
-fn skins_morph_targets_and_animations_leave_the_rest_pose() {
+fn degenerate_triangles_and_long_normals_are_told() {
     let mut fixture = Fixture::triangle();
-    fixture.primitive()["targets"] = json!([{"POSITION": 0}]);
-    fixture.json["nodes"][0]["skin"] = json!(0);
-    fixture.json["skins"] = json!([{"joints": [0]}]);
-    fixture.json["animations"] = json!([{"channels": [], "samplers": []}]);
+    fixture.indices(&[0, 1, 2, 0, 1, 1, 2, 2, 2]);
+    let normals = fixture.floats("VEC3", &[0.0, 0.0, 5.0, 0.0, 0.0, 1.006, 0.0, 0.0, 1.0]);
+    fixture.attribute("NORMAL", normals);
     let scene = fixture.scene();
-    for what in ["skins", "morph targets", "animations"] {
-        assert!(has_notice(&scene, Treatment::Ignored, &format!("{what}: drawn in rest pose")));
-    }
+    assert_eq!(scene.meshes[0].triangles.len(), 3);
+    let degenerate = "triangles without area: nothing hits them (2 times";
+    assert!(has_notice(&scene, Treatment::Honoured, degenerate));
+    let scaled = "normals of another length than 1: scaled (mesh 0";
+    assert!(has_notice(&scene, Treatment::Approximated, scaled));
 }
 
 #[test]

@@ -62,7 +62,8 @@ struct Frame {
     block_unit: u32,
     largest_block: u32,
     sample_limit: u32,
-    padding_0: u32,
+    // Texels a side of a cell of the environment's sampling table.
+    environment_block: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

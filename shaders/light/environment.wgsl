@@ -1,28 +1,42 @@
 // Light from infinity: an equirectangular map with bilinear filtering, sampled
-// by rows, then columns, then uniformly in solid angle within the texel.
-// A texel's probability is the integral of the filtered map over it.
+// by rows of cells, then columns, then uniformly in solid angle within the cell. A cell is a
+// square of frame.environment_block texels a side, or what of it lies on the map; its probability
+// is the integral of the filtered map over it.
 #import light/light
 #import sample/warp
 
-// width * height texels of radiance (w unused); then cumulative probabilities as
-// f32, four to a vec4: of the rows (height + 1), then of each row's columns (width + 1 each);
+// All f32. width * height texels of radiance, three words each; then cumulative probabilities of
+// the rows of cells (one more than rows), then of each row's columns (one more than columns);
 // then of each row the cosine of theta at its upper edge, and by how much it falls to the lower.
-@group(0) @binding(8) var<storage, read> environment: array<vec4<u32>>;
+@group(0) @binding(8) var<storage, read> environment: array<u32>;
 
 fn environment_texel(x: i32, y: i32) -> vec3<f32> {
     let size = vec2<i32>(frame.environment_size);
     let column = (x + size.x) % size.x;
     let row = clamp(y, 0, size.y - 1);
-    return bitcast<vec4<f32>>(environment[row * size.x + column]).xyz;
+    let i = 3 * (row * size.x + column);
+    return bitcast<vec3<f32>>(vec3<u32>(environment[i], environment[i + 1], environment[i + 2]));
 }
 
 fn environment_table(index: u32) -> f32 {
-    let base = frame.environment_size.x * frame.environment_size.y;
-    return bitcast<f32>(environment[base + (index >> 2u)][index & 3u]);
+    let base = 3u * frame.environment_size.x * frame.environment_size.y;
+    return bitcast<f32>(environment[base + index]);
+}
+
+// Columns and rows of cells.
+fn environment_cells() -> vec2<u32> {
+    return (frame.environment_size + frame.environment_block - 1u) / frame.environment_block;
+}
+
+// Texels across a cell of the column.
+fn environment_cell_width(column: u32) -> f32 {
+    let left = frame.environment_size.x - column * frame.environment_block;
+    return f32(min(left, frame.environment_block));
 }
 
 fn environment_row_start(row: u32) -> u32 {
-    return frame.environment_size.y + 1u + row * (frame.environment_size.x + 1u);
+    let cells = environment_cells();
+    return cells.y + 1u + row * (cells.x + 1u);
 }
 
 // Position on the map, in texels, of a world direction.
@@ -54,19 +68,19 @@ fn environment_emitted(direction: vec3<f32>) -> vec3<f32> {
     return mix(top, bottom, w.y);
 }
 
-// Density per solid angle within a texel of the given row: its probability over its solid angle.
+// Density per solid angle within a cell: its probability over its solid angle.
 fn environment_density(row: u32, column: u32) -> f32 {
-    let size = vec2<f32>(frame.environment_size);
     let start = environment_row_start(row) + column;
     let row_pmf = environment_table(row + 1u) - environment_table(row);
     let pmf = row_pmf * (environment_table(start + 1u) - environment_table(start));
-    let solid_angle = (2.0 * PI / size.x) * environment_row_shape(row).y;
+    let turn = (2.0 * PI / f32(frame.environment_size.x)) * environment_cell_width(column);
+    let solid_angle = turn * environment_row_shape(row).y;
     return frame.environment_pmf * pmf / solid_angle;
 }
 
 // From a table: a texel's solid angle is less than the error of some devices' sines.
 fn environment_row_shape(row: u32) -> vec2<f32> {
-    let first = environment_row_start(frame.environment_size.y) + 2u * row;
+    let first = environment_row_start(environment_cells().y) + 2u * row;
     return vec2<f32>(environment_table(first), environment_table(first + 1u));
 }
 
@@ -75,7 +89,7 @@ fn environment_pdf(direction: vec3<f32>) -> f32 {
         return 0.0;
     }
     let position = vec2<u32>(environment_position(direction));
-    let cell = min(position, frame.environment_size - 1u);
+    let cell = min(position, frame.environment_size - 1u) / frame.environment_block;
     return environment_density(cell.y, cell.x);
 }
 
@@ -101,10 +115,10 @@ fn environment_rest(index: u32, u: f32) -> f32 {
 }
 
 fn light_environment_sample(u: vec2<f32>) -> LightSample {
-    let size = frame.environment_size;
-    let row = environment_search(0u, size.y, u.y);
+    let cells = environment_cells();
+    let row = environment_search(0u, cells.y, u.y);
     let start = environment_row_start(row);
-    let column = environment_search(start, size.x, u.x);
+    let column = environment_search(start, cells.x, u.x);
     let pdf = environment_density(row, column);
     if !(pdf > 0.0) {
         return light_none();
@@ -112,7 +126,9 @@ fn light_environment_sample(u: vec2<f32>) -> LightSample {
     let shape = environment_row_shape(row);
     let cos_theta = shape.x - environment_rest(row, u.y) * shape.y;
     let sin_theta = sqrt(max(0.0, (1.0 - cos_theta) * (1.0 + cos_theta)));
-    let phi = (f32(column) + environment_rest(start + column, u.x)) * (2.0 * PI / f32(size.x)) - PI;
+    let across = environment_rest(start + column, u.x) * environment_cell_width(column);
+    let x = f32(column * frame.environment_block) + across;
+    let phi = x * (2.0 * PI / f32(frame.environment_size.x)) - PI;
     let wi = normalize(environment_direction(cos_theta, sin_theta, phi));
     return LightSample(wi, pdf, environment_emitted(wi) / pdf, vec3<f32>(0.0), true);
 }

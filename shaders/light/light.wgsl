@@ -50,8 +50,10 @@ struct Light {
     source: u32,
     // Both sides emit.
     is_double_sided: u32,
-    padding_0: u32,
-    padding_1: u32,
+    // Triangle with a picture: it is light/triangle's cell of this number, of cell_side² that
+    // follow each other. 0 and 1 for all others.
+    cell: u32,
+    cell_side: u32,
 }
 
 @group(0) @binding(6) var<storage, read> lights: array<Light>;
@@ -91,7 +93,7 @@ fn light_sample(s: Surface, u: vec2<f32>, choice: f32) -> LightSample {
     let v = vec2<f32>(select(u.x, rest, few), u.y);
 #if LIGHT_TRIANGLES
     if l.kind == LIGHT_TRIANGLE {
-        return light_triangle_sample(l, s, v);
+        return light_triangle_sample(l, index - l.cell, s, v);
     }
 #endif
 #if LIGHT_SPHERES
@@ -122,7 +124,7 @@ fn light_surface_pdf(s: Surface, from_point: vec3<f32>, wi: vec3<f32>) -> f32 {
     }
 #endif
 #if LIGHT_TRIANGLES
-    return light_triangle_pdf(l, from_point, wi);
+    return light_triangle_pdf(l, s.light, from_point, wi);
 #else
     return 0.0;
 #endif

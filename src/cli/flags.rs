@@ -238,6 +238,10 @@ pub(crate) struct EnvironmentFlags {
     /// Multiplies the environment's radiance
     #[arg(long, value_name = "F", value_parser = values::not_negative)]
     pub(crate) environment_intensity: Option<f32>,
+
+    /// Average the environment down to at most so many texels across
+    #[arg(long, value_name = "WIDTH", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) max_environment_size: Option<u32>,
 }
 
 #[cfg(feature = "viewer")]

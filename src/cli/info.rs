@@ -6,7 +6,7 @@ use super::talk::{self, size};
 use std::process::ExitCode;
 use steradian::gpu::{Device, DeviceInfo, SceneBuffers, TreeWidth};
 use steradian::scene::gltf::load_with;
-use steradian::scene::{Camera, Environment, LightKind, Projection, Scene, Treatment};
+use steradian::scene::{Animation, Camera, Environment, LightKind, Projection, Scene, Treatment};
 use steradian::shader::Features;
 use steradian::{RenderSettings, Result};
 
@@ -21,6 +21,7 @@ pub(super) fn run(flags: &InfoFlags) -> Result<ExitCode> {
     let settings = RenderSettings::default();
     let mut lines = contents(&scene);
     lines.extend(scene.cameras.iter().enumerate().map(|(i, c)| ("camera", camera(i, c))));
+    lines.extend(scene.animations.iter().enumerate().map(|(i, a)| ("animation", animation(i, a))));
     lines.extend(notices(&scene));
     lines.push(("features", Features::of(&scene, &settings).to_string()));
     let buffers = SceneBuffers::build(&scene, &settings, TreeWidth::Two)?;
@@ -87,6 +88,14 @@ fn camera(index: usize, camera: &Camera) -> String {
     };
     let aspect_ratio = camera.aspect_ratio.map_or(String::new(), |a| format!(", aspect ratio {a}"));
     format!("{index} {:?}, {projection}{aspect_ratio}, {lens}", camera.name)
+}
+
+fn animation(index: usize, animation: &Animation) -> String {
+    let duration = match animation.duration.is_nan() {
+        true => "cannot be read".to_owned(),
+        false => format!("{} s", animation.duration),
+    };
+    format!("{index} {:?}, {duration}", animation.name)
 }
 
 fn notices(scene: &Scene) -> impl Iterator<Item = Line> {

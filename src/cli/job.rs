@@ -155,6 +155,14 @@ pub(crate) fn set_environment(scene: &mut Scene, flags: &EnvironmentFlags) -> Re
                 environment.environment_from_world = Mat3::from_rotation_y(-degrees.to_radians());
             }
             environment.intensity = intensity.unwrap_or(environment.intensity);
+            let size = (environment.width, environment.height);
+            if flags.max_environment_size.is_some_and(|width| environment.reduce(width)) {
+                let Environment { name, width, height, .. } = &*environment;
+                let message =
+                    format!("{name}: {}x{} texels averaged to {width}x{height}", size.0, size.1);
+                let treatment = Treatment::Approximated;
+                scene.notices.push(Notice { treatment, message });
+            }
             Ok(())
         }
         None if rotation.is_some() || intensity.is_some() => Err(Error::Settings(

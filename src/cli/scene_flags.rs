@@ -11,14 +11,33 @@ pub(crate) struct SceneFlags {
     /// Refuse a scene with anything that is approximated or ignored
     #[arg(long)]
     pub(crate) strict: bool,
+<<<<<<< HEAD
     /// A folder besides the scene's own whose files it may refer to; may be given several times
     #[arg(long, value_name = "DIR")]
     pub(crate) allow_external: Vec<PathBuf>,
+=======
+
+    /// Show animations at this time, seconds, instead of the rest pose
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    pub(crate) frame_time: Option<f64>,
+
+    /// Which of the scene's animations: its name, its number, or `all`
+    #[arg(long, value_name = "NAME|INDEX", requires = "frame_time")]
+    pub(crate) animation: Option<String>,
+>>>>>>> w/geometry
 }
 
 impl SceneFlags {
     /// What the loader is told.
     pub(crate) fn options(&self) -> LoadOptions {
+<<<<<<< HEAD
         LoadOptions { strict: self.strict, allow_external: self.allow_external.clone() }
+=======
+        LoadOptions {
+            strict: self.strict,
+            frame_time: self.frame_time,
+            animation: self.animation.clone(),
+        }
+>>>>>>> w/geometry
     }
 }

@@ -2,7 +2,7 @@
 
 use super::camera::gpu_camera;
 use super::lights::Lights;
-use super::{GpuFrame, SceneBuffers};
+use super::{GpuFrame, SceneBuffers, environment};
 use crate::scene::{Environment, Scene};
 use crate::settings::RenderSettings;
 use crate::shader::generated::{INVALID, TILE_SIDE};
@@ -78,7 +78,7 @@ impl BufferFacts {
             block_unit: settings.samples_per_block(),
             largest_block: settings.largest_block(),
             sample_limit: settings.spp,
-            padding_0: 0,
+            environment_block: scene.environment.as_ref().map_or(1, environment::block),
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::GpuLight;
 use super::environment::{cumulative, luminance};
 use super::world::{Emitter, EmitterShape};
-use crate::scene::{Image, LightKind, Material, PunctualLight, Scene};
+use crate::scene::{LightKind, Material, PunctualLight, Scene};
 use crate::shader::generated::{INVALID, light};
 use glam::Vec3;
 use std::f64::consts::PI;
@@ -27,6 +27,7 @@ fn blank(kind: u32, color: Vec3) -> GpuLight {
         blue: color.z,
         material: INVALID,
         source: INVALID,
+        cell_side: 1,
         ..bytemuck::Zeroable::zeroed()
     }
 }
@@ -40,7 +41,7 @@ pub(super) fn build(scene: &Scene, emitters: &[Emitter], environment_integral: f
     for e in emitters {
         let m = &scene.materials[e.material as usize];
         records.push(emitter_record(e, m));
-        powers.push(emitter_power(e, m, &scene.images));
+        powers.push(emitter_power(e, m));
     }
     for l in scene.lights.iter().filter(|l| luminance(l.intensity) > 0.0) {
         let (record, power) = punctual(l, disk);
@@ -76,7 +77,12 @@ fn emitter_record(e: &Emitter, m: &Material) -> GpuLight {
     let mut record = blank(light::TRIANGLE, m.emitted().0);
     record.material = e.material;
     record.source = e.source;
+<<<<<<< HEAD
     record.is_double_sided = u32::from(m.emits_behind());
+=======
+    [record.cell, record.cell_side] = e.cell;
+    record.is_double_sided = u32::from(m.double_sided);
+>>>>>>> w/geometry
     match e.shape {
         EmitterShape::Triangle(v) => {
             (record.a, record.b, record.c) = (v[0].into(), v[1].into(), v[2].into());
@@ -90,13 +96,14 @@ fn emitter_record(e: &Emitter, m: &Material) -> GpuLight {
     record
 }
 
-fn emitter_power(e: &Emitter, m: &Material, images: &[Image]) -> f64 {
+fn emitter_power(e: &Emitter, m: &Material) -> f64 {
     let area = match e.shape {
         EmitterShape::Triangle([a, b, c]) => {
             0.5 * (b - a).as_dvec3().cross((c - a).as_dvec3()).length()
         }
         EmitterShape::Sphere { radius, .. } => 4.0 * PI * f64::from(radius).powi(2),
     };
+<<<<<<< HEAD
     let (radiance, texture) = m.emitted();
     let texture = texture.map_or(1.0, |t| mean_luminance(&images[t.image as usize]));
     let sides = if m.emits_behind() { 2.0 } else { 1.0 };
@@ -112,6 +119,11 @@ fn mean_luminance(image: &Image) -> f64 {
         .map(|c| 0.2126 * linear(c[0]) + 0.7152 * linear(c[1]) + 0.0722 * linear(c[2]))
         .sum();
     sum / image.rgba.len() as f64
+=======
+    let sides = if m.double_sided { 2.0 } else { 1.0 };
+    let [_, side] = e.cell;
+    PI * area * sides * e.luminance / f64::from(side).powi(2)
+>>>>>>> w/geometry
 }
 
 fn punctual(l: &PunctualLight, disk: f64) -> (GpuLight, f64) {

@@ -4,6 +4,7 @@ mod albedos;
 mod batch;
 mod camera;
 mod device;
+mod emission;
 mod environment;
 mod frame;
 mod lights;

@@ -28,6 +28,7 @@ pub struct GpuScene {
 
 const FEWER_EMITTERS: &str = "use fewer emissive triangles";
 const FEWER_TEXELS: &str = "use smaller images";
+const SMALLER_MAP: &str = "reduce it with --max-environment-size";
 
 impl SceneBuffers {
     /// Builds trees and tables.
@@ -56,7 +57,7 @@ impl SceneBuffers {
             ("materials", "use fewer materials", bytemuck::cast_slice(&self.materials.records)),
             ("lights", FEWER_EMITTERS, bytemuck::cast_slice(&self.lights.records)),
             ("textures", FEWER_TEXELS, bytemuck::cast_slice(&self.materials.textures)),
-            ("environment", FEWER_TEXELS, bytemuck::cast_slice(environment)),
+            ("environment", SMALLER_MAP, bytemuck::cast_slice(environment)),
         ]
     }
 
@@ -101,7 +102,7 @@ impl GpuScene {
         let words = bytemuck::cast_slice(map.as_ref().map_or(&[][..], |e| &e.words));
         let (mut buffers, mut bytes) = (self.buffers.clone(), self.bytes);
         for (name, remedy, contents) in
-            [("lights", FEWER_EMITTERS, records), ("environment", FEWER_TEXELS, words)]
+            [("lights", FEWER_EMITTERS, records), ("environment", SMALLER_MAP, words)]
         {
             check_binding(device.info(), &format!("the scene's {name}"), contents.len(), remedy)?;
             if let Some((_, buffer)) = buffers.iter_mut().find(|(n, _)| *n == name) {

@@ -50,7 +50,7 @@ gpu_struct! {
         block_unit: u32,
         largest_block: u32,
         sample_limit: u32,
-        padding_0: u32,
+        environment_block: u32,
     }
 }
 
@@ -208,8 +208,8 @@ gpu_struct! {
         blue: f32,
         source: u32,
         is_double_sided: u32,
-        padding_0: u32,
-        padding_1: u32,
+        cell: u32,
+        cell_side: u32,
     }
 }
 

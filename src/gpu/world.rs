@@ -77,6 +77,11 @@ pub struct Emitter {
     pub source: u32,
     /// Form.
     pub shape: EmitterShape,
+    /// Mean luminance of its radiance, before alpha: an estimate, 0 only for what emits nothing.
+    pub luminance: f64,
+    /// Which cell of a divided triangle it is, and how many the triangle has along a side:
+    /// 0 and 1 for all others.
+    pub cell: [u32; 2],
 }
 
 /// The form of an [`Emitter`].

@@ -1,5 +1,7 @@
 //! Primitives in scene order, before any tree: each has a fixed index, its source.
 
+use super::emission::{EmissionTexture, luminance_weights};
+use super::environment::luminance;
 use super::world::{Emitter, EmitterShape};
 use crate::scene::{Instance, Mesh, Scene, SphereAnchor};
 use crate::shader::generated::{INVALID, attribute};
@@ -81,7 +83,8 @@ impl Sources {
         for sphere in &scene.spheres {
             let source = sources.count() as u32;
             let shape = EmitterShape::Sphere { center: sphere.center, radius: sphere.radius };
-            let light = sources.emitter(scene, sphere.material, source, shape);
+            let cells = || (1, vec![whole_luminance(scene, sphere.material)]);
+            let light = sources.emitter(scene, sphere.material, source, shape, cells);
             sources.spheres.push(SourceSphere {
                 center: sphere.center,
                 radius: sphere.radius,
@@ -103,8 +106,16 @@ impl Sources {
         self.top.len() + self.shared.iter().map(Vec::len).sum::<usize>()
     }
 
-    /// The light of an emitting surface, or INVALID.
-    fn emitter(&mut self, scene: &Scene, material: u32, source: u32, shape: EmitterShape) -> u32 {
+    /// The light of an emitting surface, or INVALID; the first of a divided triangle. `cells` are
+    /// its number along a side and the mean luminance of each.
+    fn emitter(
+        &mut self,
+        scene: &Scene,
+        material: u32,
+        source: u32,
+        shape: EmitterShape,
+        cells: impl FnOnce() -> (u32, Vec<f64>),
+    ) -> u32 {
         let m = &scene.materials[material as usize];
         let has_area = match shape {
             EmitterShape::Triangle([a, b, c]) => (b - a).cross(c - a) != Vec3::ZERO,
@@ -113,8 +124,16 @@ impl Sources {
         if !m.is_emissive() || !has_area {
             return INVALID;
         }
-        self.emitters.push(Emitter { material, source, shape });
-        self.emitters.len() as u32 - 1
+        let first = self.emitters.len() as u32;
+        let (side, luminances) = cells();
+        self.emitters.extend(luminances.into_iter().zip(0..).map(|(luminance, k)| Emitter {
+            material,
+            source,
+            shape,
+            luminance,
+            cell: [k, side],
+        }));
+        first
     }
 
     /// The triangles of a mesh, in world space if placed by an instance.
@@ -130,6 +149,7 @@ impl Sources {
             self.has_vertex_data |= flags & !attribute::NORMAL != 0;
             self.add_vertices(mesh, placement, mirrored);
         }
+        let emission = emission_texture(scene, mesh);
         let first_source = self.count() as u32;
         let mut triangles = Vec::with_capacity(mesh.triangles.len());
         for (k, &[a, b, c]) in mesh.triangles.iter().enumerate() {
@@ -137,8 +157,12 @@ impl Sources {
             let at = |i: u32| placement.transform_point3(mesh.positions[i as usize]);
             let vertices = [at(a), at(b), at(c)];
             let source = first_source + k as u32;
-            let light =
-                self.emitter(scene, mesh.material, source, EmitterShape::Triangle(vertices));
+            let cells = || match &emission {
+                Some((texture, uvs)) => texture.cells([a, b, c].map(|i| uvs[i as usize])),
+                None => (1, vec![whole_luminance(scene, mesh.material)]),
+            };
+            let shape = EmitterShape::Triangle(vertices);
+            let light = self.emitter(scene, mesh.material, source, shape, cells);
             let corners = [first_vertex + a, first_vertex + b, first_vertex + c, flags];
             let corners = if flags == 0 { [0; 4] } else { corners };
             let material = mesh.material;
@@ -196,6 +220,42 @@ impl Sources {
         };
         self.spheres.iter().map(record).collect()
     }
+}
+
+/// Mean luminance of what a material emits where nothing is known of its texture coordinates.
+fn whole_luminance(scene: &Scene, material: u32) -> f64 {
+    let m = &scene.materials[material as usize];
+    match m.emission_texture {
+        Some(texture) => {
+            EmissionTexture::new(texture, &scene.images, luminance_weights(m.emission), 1).mean
+        }
+        None => luminance(m.emission),
+    }
+}
+
+/// The mesh's emission texture with the coordinates that it is looked up by.
+fn emission_texture<'a>(
+    scene: &'a Scene,
+    mesh: &'a Mesh,
+) -> Option<(EmissionTexture<'a>, &'a [glam::Vec2])> {
+    let m = &scene.materials[mesh.material as usize];
+    let texture = m.emission_texture.filter(|_| m.is_emissive())?;
+    let uvs = &mesh.uvs[texture.uv_set as usize];
+    if uvs.is_empty() {
+        return None;
+    }
+    let weights = luminance_weights(m.emission);
+    let triangles = emissive_textured_triangles(scene);
+    Some((EmissionTexture::new(texture, &scene.images, weights, triangles), uvs))
+}
+
+fn emissive_textured_triangles(scene: &Scene) -> usize {
+    let meshes = scene.instances.iter().map(|i| &scene.meshes[i.mesh as usize]);
+    let has_texture = |mesh: &&Mesh| {
+        let m = &scene.materials[mesh.material as usize];
+        m.is_emissive() && m.emission_texture.is_some()
+    };
+    meshes.filter(has_texture).map(|mesh| mesh.triangles.len()).sum()
 }
 
 fn mesh_flags(mesh: &Mesh) -> u32 {

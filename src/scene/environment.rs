@@ -1,7 +1,7 @@
 //! Light from infinity.
 
 use crate::{Error, Result};
-use glam::{Mat3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
 use image::{DynamicImage, ImageDecoder, codecs::hdr::HdrDecoder};
 use std::io::Cursor;
 use std::path::Path;
@@ -88,6 +88,59 @@ impl Environment {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         Ok((Self { name, width, height, radiance, ..Self::constant(Vec3::ZERO) }, negative_count))
     }
+}
+
+impl Environment {
+    /// Averages squares of texels, by solid angle, until the map is at most `max_width` wide.
+    /// False, and nothing is done, where it is already.
+    pub fn reduce(&mut self, max_width: u32) -> bool {
+        let factor = self.width.div_ceil(max_width.max(1));
+        if factor <= 1 {
+            return false;
+        }
+        // Squares that need not begin or end with a texel, so that the new map spans the sphere.
+        let (width, height) = (self.width.div_ceil(factor), self.height.div_ceil(factor));
+        let columns = overlaps(self.width, width, |low, high| high - low);
+        let step = std::f64::consts::PI / f64::from(self.height);
+        let rows = overlaps(self.height, height, |low, high| {
+            (0.5 * (low + high) * step).sin() * (0.5 * (high - low) * step).sin()
+        });
+        let mut radiance = Vec::with_capacity(width as usize * height as usize);
+        for row in &rows {
+            for column in &columns {
+                let mut sum = DVec3::ZERO;
+                for &(y, weight_y) in row {
+                    for &(x, weight_x) in column {
+                        let texel = self.radiance[y * self.width as usize + x];
+                        sum += texel.as_dvec3() * (weight_x * weight_y);
+                    }
+                }
+                radiance.push(sum.as_vec3());
+            }
+        }
+        (self.width, self.height, self.radiance) = (width, height, radiance);
+        true
+    }
+}
+
+/// For each of `count` equal parts of `texels`: which texels lie in it, and which share of the
+/// part's `measure` (from, to) each of them has.
+fn overlaps(texels: u32, count: u32, measure: impl Fn(f64, f64) -> f64) -> Vec<Vec<(usize, f64)>> {
+    let edge = |i: u32| f64::from(i) * f64::from(texels) / f64::from(count);
+    let part = |i: u32| {
+        let (from, to) = (edge(i), edge(i + 1));
+        let inside = (from as u32)..(to.ceil() as u32).min(texels);
+        let mut weights: Vec<(usize, f64)> = inside
+            .map(|t| {
+                let (low, high) = (f64::from(t).max(from), f64::from(t + 1).min(to));
+                (t as usize, measure(low, high.max(low)))
+            })
+            .collect();
+        let sum: f64 = weights.iter().map(|(_, w)| w).sum();
+        weights.iter_mut().for_each(|(_, w)| *w /= sum);
+        weights
+    };
+    (0..count).map(part).collect()
 }
 
 /// Width, height and radiance row by row from the top.
@@ -181,6 +234,34 @@ mod tests {
         assert_eq!((sky.name.as_str(), sky.width, sky.height), ("sky.exr", 2, 2));
         assert_eq!(sky.radiance, pixels.map(Vec3::from));
         assert_eq!((negative_count, sky.intensity), (0, 1.0));
+    }
+
+    #[test]
+    fn reducing_keeps_the_power_of_a_map() {
+        for (width, height, max_width) in [(8, 4, 4), (64, 32, 10), (7, 5, 3), (4, 2, 1)] {
+            let mut map = Environment::constant(Vec3::ONE);
+            let texel = |i: u32| Vec3::new((i * 37 % 11) as f32, 1.0, (i % width) as f32);
+            (map.width, map.height) = (width, height);
+            map.radiance = (0..width * height).map(texel).collect();
+            let power = |map: &Environment| {
+                let step = std::f64::consts::PI / f64::from(map.height);
+                let edge = |y: u32| (f64::from(y) * step).cos();
+                let share = |(i, r): (usize, &Vec3)| {
+                    let y = i as u32 / map.width;
+                    r.as_dvec3() * (edge(y) - edge(y + 1)) / f64::from(map.width)
+                };
+                map.radiance.iter().enumerate().map(share).sum::<DVec3>()
+            };
+            let before = power(&map);
+            assert!(map.reduce(max_width) && map.width <= max_width);
+            assert!(!map.reduce(max_width));
+            // Each texel is rounded once.
+            let rounding = f64::from(f32::EPSILON);
+            assert!(
+                (power(&map) / before - 1.0).abs().max_element() < rounding,
+                "{width}x{height}"
+            );
+        }
     }
 
     #[test]

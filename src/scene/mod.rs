@@ -52,8 +52,19 @@ pub struct Scene {
     /// Cameras of the file in node order; never empty after loading: where the
     /// file has none, a default one frames the scene.
     pub cameras: Vec<Camera>,
+    /// The file's animations; the scene is what one of them shows, or the rest pose.
+    pub animations: Vec<Animation>,
     /// What of the file is honoured, approximated or ignored.
     pub notices: Vec<Notice>,
+}
+
+/// An animation of the file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Animation {
+    /// Its name in the file, or nothing.
+    pub name: String,
+    /// Time of its last keyframe, seconds; NaN where its keyframes are broken.
+    pub duration: f64,
 }
 
 /// One line about a feature of the file.

@@ -84,6 +84,11 @@ fn arguments(info: &SceneInfo, wish: &Wish, output: &str) -> Vec<String> {
     } else if wish.base != 0 {
         flag("--camera", wish.base.to_string());
     }
+    for (name, value) in ["--frame-time", "--animation"].into_iter().zip(&info.animation) {
+        if let Some(value) = value {
+            flag(name, value.clone());
+        }
+    }
     let e = &wish.environment;
     if let Some(path) = &e.environment {
         flag("--environment", path.display().to_string());
@@ -96,6 +101,9 @@ fn arguments(info: &SceneInfo, wish: &Wish, output: &str) -> Vec<String> {
     }
     if let Some(intensity) = e.environment_intensity {
         flag("--environment-intensity", intensity.to_string());
+    }
+    if let Some(width) = e.max_environment_size {
+        flag("--max-environment-size", width.to_string());
     }
     if let Some(view) = wish.view {
         flag("--view", word_for(VIEWS, &view).into());

@@ -66,6 +66,8 @@ pub(super) struct SceneInfo {
     pub(super) own_camera_count: usize,
     /// Whether the command line changes a camera's lens.
     pub(super) has_lens_flags: bool,
+    /// The flags of animations, as they were given.
+    pub(super) animation: [Option<String>; 2],
     /// Triangles after instancing, and spheres.
     pub(super) primitive_count: usize,
     /// Reading, and building trees, seconds.

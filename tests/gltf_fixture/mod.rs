@@ -76,6 +76,11 @@ impl Fixture {
         self.push("bufferViews", view)
     }
 
+    /// Bytes of the binary chunk so far.
+    pub(crate) fn bin_length(&self) -> usize {
+        self.bin.len()
+    }
+
     /// An accessor that is a whole view of these bytes.
     pub(crate) fn accessor(
         &mut self,

@@ -9,7 +9,7 @@ use steradian::RenderSettings;
 use steradian::scene::{Material, Scene};
 use steradian::settings::{Sampler, Strategy};
 
-const STRATEGIES: [Strategy; 4] =
+pub(super) const STRATEGIES: [Strategy; 4] =
     [Strategy::Hemisphere, Strategy::Bsdf, Strategy::Light, Strategy::Mis];
 
 /// Sampler and roulette.

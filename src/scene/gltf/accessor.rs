@@ -65,6 +65,10 @@ impl<'a> Accessors<'a> {
         what: &str,
     ) -> Result<Vec<[f32; N]>> {
         let layout = self.layout(index, accepted, what)?;
+        // Not in glTF, nor by KHR_mesh_quantization: single precision would round them.
+        if layout.component == ComponentType::U32 {
+            return Err(self.document.error(format!("{what}: it must not be of UNSIGNED_INT")));
+        }
         let decode = |bytes: &[u8]| {
             let mut element = [fill; N];
             let size = layout.component.size();
@@ -95,18 +99,31 @@ impl<'a> Accessors<'a> {
 
     /// Unsigned integer scalars.
     pub(super) fn indices(&self, index: Index<json::Accessor>, what: &str) -> Result<Vec<u32>> {
-        let layout = self.layout(index, &[Type::Scalar], what)?;
+        Ok(self.integers::<1>(index, Type::Scalar, what)?.into_flattened())
+    }
+
+    /// Elements of `N` unsigned integers.
+    pub(super) fn integers<const N: usize>(
+        &self,
+        index: Index<json::Accessor>,
+        kind: Type,
+        what: &str,
+    ) -> Result<Vec<[u32; N]>> {
+        let layout = self.layout(index, &[kind], what)?;
         let unsigned = [ComponentType::U8, ComponentType::U16, ComponentType::U32];
         if !unsigned.contains(&layout.component) {
             return Err(self.document.error(format!("{what}: indices must be unsigned integers")));
         }
-        let decode = |bytes: &[u8]| component_to_u32(layout.component, bytes);
+        let size = layout.component.size();
+        let decode = |bytes: &[u8]| {
+            std::array::from_fn(|k| component_to_u32(layout.component, &bytes[k * size..]))
+        };
         let mut values = match layout.bytes {
             Some(bytes) => (0..layout.count).map(|i| decode(&bytes[i * layout.stride..])).collect(),
-            None => vec![0; layout.count],
+            None => vec![[0; N]; layout.count],
         };
         if let Some(sparse) = layout.sparse {
-            let replacements = sparse.values.chunks_exact(layout.component.size());
+            let replacements = sparse.values.chunks_exact(N * size);
             for (&index, bytes) in sparse.indices.iter().zip(replacements) {
                 values[index as usize] = decode(bytes);
             }
@@ -140,7 +157,12 @@ impl<'a> Accessors<'a> {
         let element_size = kind.multiplicity() * component.0.size();
 
         let mut stride = element_size;
+        let decoded = self.buffers.decoded_accessor(index);
         let bytes = match accessor.buffer_view {
+            _ if decoded.is_some() => {
+                let bytes = decoded.unwrap_or_default();
+                Some(span(bytes, 0, count, stride, element_size).map_err(error)?)
+            }
             None => {
                 document.budget.take_zero_elements(count as u64).map_err(error)?;
                 None

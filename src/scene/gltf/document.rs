@@ -1,10 +1,16 @@
 //! The parsed JSON of a scene file, and how its objects are named in messages.
 
 use super::limits::Budget;
+<<<<<<< HEAD
 use super::uri::Reach;
+=======
+use super::motion::RawAnimation;
+use super::skins::RawSkin;
+>>>>>>> w/geometry
 use crate::{Error, Result};
 use gltf::json;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -19,8 +25,10 @@ pub(super) struct Document {
     pub(super) root: json::Root,
     /// The JSON as it is, for extensions those types lack; without what is never read.
     pub(super) raw: Value,
-    /// Number of animations.
-    pub(super) animation_count: usize,
+    /// The skins, which `root` lacks.
+    pub(super) skins: Vec<RawSkin>,
+    /// The animations, which `root` lacks.
+    pub(super) animations: Vec<RawAnimation>,
     /// What was used of the loader's limits.
     pub(super) budget: Budget,
 }
@@ -31,21 +39,28 @@ impl Document {
         let invalid = |e: &dyn std::fmt::Display| Error::scene(path, format!("not glTF 2.0: {e}"));
         let mut raw: Value = serde_json::from_slice(json).map_err(|e| invalid(&e))?;
         check_version(&raw).map_err(|e| invalid(&e))?;
-        // Motion is not rendered, and the crate refuses valid animations whose
-        // target is an extension's.
-        let animations = raw.as_object_mut().and_then(|members| {
-            members.remove("skins");
-            members.remove("animations")
-        });
-        let animation_count = animations.as_ref().and_then(Value::as_array).map_or(0, Vec::len);
         normalize_integers(&mut raw).map_err(|e| invalid(&e))?;
+        // The crate refuses valid animations whose target is an extension's, and skins.
+        let skins = take_list(&mut raw, "skins").map_err(|e| invalid(&e))?;
+        let animations = take_list(&mut raw, "animations").map_err(|e| invalid(&e))?;
         let root =
             json::Root::deserialize(&raw).map_err(|e| match json::Root::from_slice(json) {
                 // Read from the text, the same fault has a line number.
                 Err(located) => invalid(&located),
                 Ok(_) => invalid(&e),
             })?;
+<<<<<<< HEAD
         Ok(Self { path: path.into(), reach, root, raw, animation_count, budget })
+=======
+        let folder = match path.parent() {
+            Some(parent) if parent != Path::new("") => parent,
+            _ => Path::new("."),
+        };
+        let folder = folder
+            .canonicalize()
+            .map_err(|e| Error::scene(path, format!("its folder cannot be read: {e}")))?;
+        Ok(Self { path: path.into(), folder, root, raw, skins, animations, budget })
+>>>>>>> w/geometry
     }
 
     /// An error in the scene file.
@@ -118,6 +133,17 @@ kinds! {
     json::Scene: "scene";
     json::Texture: "texture";
     json::texture::Sampler: "sampler";
+}
+
+/// Removes a top-level list and reads it.
+fn take_list<T: DeserializeOwned>(
+    raw: &mut Value,
+    name: &str,
+) -> std::result::Result<Vec<T>, String> {
+    match raw.as_object_mut().and_then(|members| members.remove(name)) {
+        Some(list) => serde_json::from_value(list).map_err(|e| format!("{name}: {e}")),
+        None => Ok(Vec::new()),
+    }
 }
 
 fn check_version(raw: &Value) -> std::result::Result<(), String> {

@@ -8,7 +8,9 @@ use std::collections::BTreeSet;
 
 /// Extensions that are rendered. What of one is approximated has a notice of
 /// its own where it is read.
-const SUPPORTED: [&str; 8] = [
+const SUPPORTED: &[&str] = &[
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -16,14 +18,27 @@ const SUPPORTED: [&str; 8] = [
     "KHR_materials_transmission",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 ];
+
+const DRACO: &str = "KHR_draco_mesh_compression";
+
+fn is_supported(name: &str) -> bool {
+    SUPPORTED.contains(&name) || (cfg!(feature = "draco") && name == DRACO)
+}
 
 /// Refuses a file that requires what is not supported; notes every other
 /// extension that occurs.
 pub(super) fn check(document: &Document, notices: &mut Notices) -> Result<()> {
     for name in &document.root.extensions_required {
-        if !SUPPORTED.contains(&name.as_str()) {
+        if name == DRACO && !cfg!(feature = "draco") {
+            return Err(document.error(format!(
+                "the file requires {DRACO}; build with `--features draco`, or export it without"
+            )));
+        }
+        if !is_supported(name) {
             return Err(document.error(format!(
                 "the file requires the extension {name:?}, which is not supported; export it without"
             )));
@@ -47,7 +62,11 @@ fn note(name: &str, place: &str, notices: &mut Notices) {
         "KHR_materials_unlit" => {
             notices.ignored("KHR_materials_unlit: shaded as an ordinary material", place);
         }
-        _ if SUPPORTED.contains(&name) => notices.honoured(name, place),
+        "EXT_lights_image_based" => {
+            let message = "EXT_lights_image_based: give the light with --environment";
+            notices.ignored(message, place);
+        }
+        _ if is_supported(name) => notices.honoured(name, place),
         _ => notices.ignored(format!("extension {}", name.escape_debug()), place),
     }
 }

@@ -1,14 +1,15 @@
 //! glTF meshes to [`Mesh`]es, one for each primitive, or to analytic spheres.
 
 use super::accessor::Accessors;
-use super::document::Document;
+use super::deform::{self, Deformation, Skinning};
 use super::extras::{self, MeshExtras};
 use super::nodes::Placement;
 use super::normals;
 use super::notices::Notices;
+use super::skins;
 use super::triangles::{self, Assembled};
 use crate::Result;
-use crate::scene::{AlphaMode, Material, Mesh};
+use crate::scene::{AlphaMode, Material, Mesh, Treatment};
 use glam::{Vec2, Vec3, Vec4};
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::mesh::{Primitive, Semantic};
@@ -29,30 +30,77 @@ pub(super) enum Shape {
     },
 }
 
-/// Reads the meshes that placements use; each once, by the file's index.
+/// The shapes of placements. Those of the same mesh are shared, unless morph targets or a skin
+/// make them differ.
+#[derive(Default)]
+pub(super) struct Shapes {
+    shapes: Vec<Shape>,
+    of_placements: Vec<Option<usize>>,
+}
+
+impl Shapes {
+    /// What the placement of this number shows.
+    pub(super) fn of(&self, placement: usize) -> Option<&Shape> {
+        self.of_placements[placement].map(|shape| &self.shapes[shape])
+    }
+}
+
+/// What shapes differ by: the mesh, the bits of weights of morph targets, the node of a skin.
+type ShapeKey = (usize, Vec<u64>, Option<usize>);
+
+/// Reads the meshes that visible placements use.
 pub(super) fn read(
     accessors: &Accessors,
     placements: &[Placement],
     materials: &mut Vec<Material>,
     notices: &mut Notices,
-) -> Result<(BTreeMap<usize, Shape>, Vec<Mesh>)> {
+) -> Result<(Shapes, Vec<Mesh>)> {
     let document = accessors.document;
-    let mut shapes = BTreeMap::new();
+    let mut shapes = Shapes::default();
+    let mut known: BTreeMap<ShapeKey, usize> = BTreeMap::new();
     let mut reader = GeometryReader {
         accessors,
         materials,
         default_material: None,
+        deformation: Deformation::default(),
         meshes: Vec::new(),
         notices,
     };
     for placement in placements {
         let node = document.get(placement.node, "the scene")?;
-        if let Some(index) = node.mesh
-            && !shapes.contains_key(&index.value())
-        {
-            let mesh = document.get(index, &document.label(placement.node))?;
-            shapes.insert(index.value(), reader.shape(index, mesh)?);
-        }
+        let Some(index) = node.mesh.filter(|_| placement.is_visible) else {
+            shapes.of_placements.push(None);
+            continue;
+        };
+        let label = document.label(placement.node);
+        let mesh = document.get(index, &label)?;
+        let weights = deform::weights(placement.weights.as_ref(), mesh);
+        let error = |message: String| document.error(format!("{label}: {message}"));
+        document.budget.take_elements(weights.len() as u64).map_err(error)?;
+        let bits = weights.iter().map(|w| w.to_bits()).collect();
+        let key = (index.value(), bits, node.skin.map(|_| placement.node.value()));
+        let shape = match known.get(&key) {
+            Some(&shape) => shape,
+            None => {
+                let skin = match node.skin {
+                    None => None,
+                    Some(skin) => Some(Skinning {
+                        world_from_bind: skins::world_from_bind(
+                            accessors,
+                            placements,
+                            skin.value(),
+                            &label,
+                        )?,
+                        world_from_node: placement.world_from_node,
+                    }),
+                };
+                reader.deformation = Deformation { weights, skin };
+                shapes.shapes.push(reader.shape(index, mesh)?);
+                known.insert(key, shapes.shapes.len() - 1);
+                shapes.shapes.len() - 1
+            }
+        };
+        shapes.of_placements.push(Some(shape));
     }
     Ok((shapes, reader.meshes))
 }
@@ -62,6 +110,8 @@ struct GeometryReader<'a> {
     materials: &'a mut Vec<Material>,
     /// Where glTF's default material is, once a primitive needed it.
     default_material: Option<u32>,
+    /// Of the placement whose shape is read.
+    deformation: Deformation,
     meshes: Vec<Mesh>,
     notices: &'a mut Notices,
 }
@@ -107,6 +157,9 @@ impl GeometryReader<'_> {
         if material.alpha_mode != AlphaMode::Opaque {
             self.notices.approximated("alpha of an analytic sphere: drawn opaque", what);
         }
+        if !self.deformation.weights.is_empty() || self.deformation.skin.is_some() {
+            self.notices.ignored("morph targets and skins of an analytic sphere", what);
+        }
         if material.textures().next().is_some() {
             let message = "textures of an analytic sphere: taken at coordinates (0, 0)";
             self.notices.approximated(message, what);
@@ -140,9 +193,6 @@ impl GeometryReader<'_> {
         let Some(triangles) = self.triangles(primitive, mode, positions.len(), what)? else {
             return Ok(None);
         };
-        if primitive.targets.is_some() {
-            self.notices.ignored("morph targets: drawn in rest pose", what);
-        }
         let mut mesh = Mesh {
             normals: self.normals(attribute(Semantic::Normals), &positions, &triangles, what)?,
             tangents: self.tangents(attribute(Semantic::Tangents), what)?,
@@ -161,6 +211,16 @@ impl GeometryReader<'_> {
             // Without normals, tangents are to be ignored (glTF 2.0, 3.7.2.1).
             mesh.tangents = Vec::new();
         }
+        let Deformation { weights, skin } = &self.deformation;
+        if !weights.is_empty() {
+            deform::morph(self.accessors, primitive, weights, &mut mesh, self.notices, what)?;
+        }
+        if let Some(skin) = skin {
+            deform::skin(self.accessors, primitive, skin, &mut mesh, self.notices, what)?;
+        }
+        let degenerate = triangles::count_degenerate(&mesh.triangles, &mesh.positions);
+        let message = "triangles without area: nothing hits them";
+        self.notices.note_many(Treatment::Honoured, message, degenerate, what);
         self.note_missing_attributes(&mesh, what);
         Ok(Some(mesh))
     }
@@ -208,9 +268,12 @@ impl GeometryReader<'_> {
         let normals = self.accessors.floats_unchecked::<3>(index, &[Type::Vec3], 0.0, &place)?;
         let mut normals: Vec<Vec3> = normals.into_iter().map(Vec3::from).collect();
         self.check_length(normals.len(), positions.len(), &place)?;
-        if normals::normalize(&mut normals, positions, triangles) > 0 {
-            let message = "normals without direction replaced by the average of face normals";
-            self.notices.approximated(message, what);
+        let done = normals::normalize(&mut normals, positions, triangles);
+        for (message, count) in [
+            ("normals without direction replaced by the average of face normals", done.replaced),
+            ("normals of another length than 1: scaled", done.scaled),
+        ] {
+            self.notices.note_many(Treatment::Approximated, message, count, what);
         }
         Ok(normals)
     }
@@ -300,21 +363,4 @@ impl GeometryReader<'_> {
             self.notices.approximated(message, what);
         }
     }
-}
-
-/// Notes what of the file's motion is not shown.
-pub(super) fn note_rest_pose(
-    document: &Document,
-    placements: &[Placement],
-    notices: &mut Notices,
-) -> Result<()> {
-    for placement in placements {
-        if document.get(placement.node, "the scene")?.skin.is_some() {
-            notices.ignored("skins: drawn in rest pose", &document.label(placement.node));
-        }
-    }
-    for index in 0..document.animation_count {
-        notices.ignored("animations: drawn in rest pose", &format!("animation {index}"));
-    }
-    Ok(())
 }

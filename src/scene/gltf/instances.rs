@@ -1,13 +1,13 @@
 //! Places shapes in the world: instances of meshes, and spheres.
 
-use super::document::Document;
-use super::geometry::Shape;
+use super::accessor::Accessors;
+use super::geometry::{Shape, Shapes};
+use super::instancing;
 use super::nodes::Placement;
 use super::notices::Notices;
 use crate::Result;
 use crate::scene::{Instance, Mesh, Sphere};
 use glam::{Affine3A, DAffine3, Vec3};
-use std::collections::BTreeMap;
 
 /// Largest coordinate in the world, metres. Areas, and sums of them over any
 /// number of primitives that fits memory, then stay finite in f32.
@@ -27,40 +27,55 @@ pub(super) struct Placed {
 
 /// Places every shape that a node has.
 pub(super) fn place(
-    document: &Document,
+    accessors: &Accessors,
     placements: &[Placement],
-    shapes: &BTreeMap<usize, Shape>,
+    shapes: &Shapes,
     meshes: &[Mesh],
     notices: &mut Notices,
 ) -> Result<Placed> {
     let mesh_bounds: Vec<_> = meshes.iter().map(|mesh| mesh.bounds().unwrap_or_default()).collect();
+    let document = accessors.document;
     let mut placed = Placed::default();
-    for placement in placements {
+    for (i, placement) in placements.iter().enumerate() {
+        let Some(shape) = shapes.of(i) else { continue };
         let node = document.get(placement.node, "the scene")?;
-        let Some(shape) = node.mesh.and_then(|mesh| shapes.get(&mesh.value())) else { continue };
         let label = document.label(placement.node);
-        let error = |message: String| document.error(format!("{label}: {message}"));
-        let Some(world_from_object) = invertible(&placement.world_from_node) else {
-            notices.ignored("mesh whose node has a singular transform: not drawn", &label);
-            continue;
-        };
-        match shape {
-            Shape::Meshes(meshes) => {
-                document.budget.take_instances(meshes.len() as u64).map_err(error)?;
-                for &mesh in meshes {
-                    placed.grow(&world_from_object, mesh_bounds[mesh as usize]).map_err(error)?;
-                    let name = document.name(placement.node);
-                    placed.instances.push(Instance { name, mesh, world_from_object });
-                }
+        let is_skinned = node.skin.is_some() && matches!(shape, Shape::Meshes(_));
+        let instances = match instancing::transforms(accessors, placement, notices)? {
+            Some(_) if is_skinned => {
+                notices.ignored("instances of a skinned mesh: drawn once", &label);
+                None
             }
-            &Shape::Sphere { radius, material } => {
-                document.budget.take_instances(1).map_err(error)?;
-                let (center, radius) =
-                    world_sphere(&placement.world_from_node, radius).map_err(error)?;
-                let corners = (center - radius, center + radius);
-                placed.grow(&Affine3A::IDENTITY, corners).map_err(error)?;
-                let name = document.name(placement.node);
-                placed.spheres.push(Sphere { name, center, radius, material });
+            instances => instances,
+        };
+        // A skin takes its vertices to the world.
+        let world_from_node =
+            if is_skinned { DAffine3::IDENTITY } else { placement.world_from_node };
+        for node_from_object in instances.unwrap_or_else(|| vec![DAffine3::IDENTITY]) {
+            let world_from_object = world_from_node * node_from_object;
+            let name = document.name(placement.node);
+            let Some(transform) = invertible(&world_from_object) else {
+                notices.ignored("mesh whose node has a singular transform: not drawn", &label);
+                continue;
+            };
+            let error = |message: String| document.error(format!("{label}: {message}"));
+            match shape {
+                Shape::Meshes(meshes) => {
+                    document.budget.take_instances(meshes.len() as u64).map_err(error)?;
+                    for &mesh in meshes {
+                        placed.grow(&transform, mesh_bounds[mesh as usize]).map_err(error)?;
+                        let (name, world_from_object) = (name.clone(), transform);
+                        placed.instances.push(Instance { name, mesh, world_from_object });
+                    }
+                }
+                &Shape::Sphere { radius, material } => {
+                    document.budget.take_instances(1).map_err(error)?;
+                    let (center, radius) =
+                        world_sphere(&world_from_object, radius).map_err(error)?;
+                    let corners = (center - radius, center + radius);
+                    placed.grow(&Affine3A::IDENTITY, corners).map_err(error)?;
+                    placed.spheres.push(Sphere { name, center, radius, material });
+                }
             }
         }
     }

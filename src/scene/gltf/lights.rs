@@ -21,7 +21,7 @@ pub(super) fn read(
     for placement in placements {
         let node = document.get(placement.node, "the scene")?;
         let extension = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
-        if let Some(extension) = extension {
+        if let Some(extension) = extension.filter(|_| placement.is_visible) {
             lights.extend(read_light(document, placement, extension.light, notices)?);
         }
     }

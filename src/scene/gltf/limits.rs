@@ -6,6 +6,8 @@ use std::cell::Cell;
 
 /// Bytes of all files and data URIs of one scene: what a GLB's 32-bit length can say.
 const MAX_BYTES: u64 = 1 << 32;
+/// Bytes of all decompressed buffer views: a stream can stand for a hundred times its length.
+pub(super) const MAX_DECODED: u64 = 1 << 30;
 /// Pixels of all images of one scene; 1 GiB decoded.
 const MAX_PIXELS: u64 = 1 << 28;
 /// Width and height of one image.
@@ -22,6 +24,7 @@ const MAX_INSTANCES: u64 = 1 << 22;
 #[derive(Default)]
 pub(super) struct Budget {
     bytes: Cell<u64>,
+    decoded: Cell<u64>,
     pixels: Cell<u64>,
     elements: Cell<u64>,
     zero_elements: Cell<u64>,
@@ -32,6 +35,11 @@ impl Budget {
     /// Takes `count` bytes of input; the error says which limit is exceeded.
     pub(super) fn take_bytes(&self, count: u64) -> Result<(), String> {
         take(&self.bytes, count, MAX_BYTES, "bytes of input files")
+    }
+
+    /// Takes `count` bytes of decompressed data.
+    pub(super) fn take_decoded(&self, count: u64) -> Result<(), String> {
+        take(&self.decoded, count, MAX_DECODED, "bytes of decompressed data")
     }
 
     /// Takes the pixels of an image.
@@ -47,6 +55,14 @@ impl Budget {
     /// Takes `count` accessor elements that no data stands behind.
     pub(super) fn take_zero_elements(&self, count: u64) -> Result<(), String> {
         take(&self.zero_elements, count, MAX_ZERO_ELEMENTS, "vertex attributes without data")
+    }
+
+    /// Whether `count` placements could still be taken.
+    pub(super) fn has_room_for_instances(&self, count: u64) -> Result<(), String> {
+        let used = self.instances.get();
+        let result = self.take_instances(count);
+        self.instances.set(used);
+        result
     }
 
     /// Takes `count` placements.

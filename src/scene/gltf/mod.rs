@@ -9,19 +9,27 @@ mod accessor;
 mod buffers;
 mod cameras;
 mod container;
+mod deform;
 mod document;
+#[cfg(feature = "draco")]
+mod draco;
 mod environment;
 mod extensions;
 mod extras;
 mod geometry;
 mod images;
 mod instances;
+mod instancing;
+mod keyframes;
 mod lights;
 mod limits;
 mod materials;
+mod meshopt;
+mod motion;
 mod nodes;
 mod normals;
 mod notices;
+mod skins;
 mod textures;
 mod triangles;
 mod uri;
@@ -38,13 +46,17 @@ use std::path::{Path, PathBuf};
 use uri::Reach;
 
 /// How to treat what cannot be rendered as the file says.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct LoadOptions {
     /// Refuse a file with any feature that is approximated or ignored.
     pub strict: bool,
     /// Folders besides the scene's own whose files it may name: by `..`, as an absolute
     /// path or through a link. Without any, a scene reads nothing outside its folder.
     pub allow_external: Vec<PathBuf>,
+    /// Time at which animations are sampled, seconds; the rest pose by default.
+    pub frame_time: Option<f64>,
+    /// Name or index of the animation, or `all`; the first by default.
+    pub animation: Option<String>,
 }
 
 /// Loads a `.gltf` or `.glb` file with default options.
@@ -108,12 +120,12 @@ fn load_within(
     let buffers = &Buffers::load(document, container.bin)?;
 
     let scene = nodes::default_scene(document)?;
-    let placements = &nodes::walk(document, scene, &mut notices)?;
-    let (mut materials, images) = materials::read(document, buffers, &mut notices)?;
     let accessors = &Accessors { document, buffers };
+    let (animations, pose) = motion::read(accessors, options, &mut notices)?;
+    let placements = &nodes::walk(document, scene, &pose, &mut notices)?;
+    let (mut materials, images) = materials::read(document, buffers, &mut notices)?;
     let (shapes, meshes) = geometry::read(accessors, placements, &mut materials, &mut notices)?;
-    geometry::note_rest_pose(document, placements, &mut notices)?;
-    let placed = instances::place(document, placements, &shapes, &meshes, &mut notices)?;
+    let placed = instances::place(accessors, placements, &shapes, &meshes, &mut notices)?;
     let bounds = placed.bounds.ok_or_else(|| {
         document.error("nothing to render: its scene has no triangles and no spheres")
     })?;
@@ -129,6 +141,7 @@ fn load_within(
         lights: lights::read(document, placements, &mut notices)?,
         environment: environment::read(document, scene, &mut notices)?,
         cameras: cameras::read(document, placements, bounds, &mut notices)?,
+        animations,
         notices: notices.into_lines(),
     };
     scene.notices.extend(scene.precision_notices());

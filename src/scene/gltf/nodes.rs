@@ -1,6 +1,7 @@
 //! The node trees of the scene that is rendered, flattened to world transforms.
 
 use super::document::Document;
+use super::motion::{NodePose, Pose};
 use super::notices::Notices;
 use crate::Result;
 use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
@@ -10,12 +11,16 @@ use gltf::json::{self, Index};
 const TREE_RULE: &str = "nodes must form trees, without cycles or second parents";
 
 /// A node of the scene and where it is.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct Placement {
     /// The node.
     pub(super) node: Index<json::Node>,
     /// Product of the transforms from the root to the node, in double precision.
     pub(super) world_from_node: DAffine3,
+    /// False hides its mesh and its light (KHR_node_visibility).
+    pub(super) is_visible: bool,
+    /// Of morph targets: what an animation says, else the node.
+    pub(super) weights: Option<Vec<f64>>,
 }
 
 /// The scene to render: the file's default, else its first; `None` if it has no scenes.
@@ -31,6 +36,7 @@ pub(super) fn default_scene(document: &Document) -> Result<Option<Index<json::Sc
 pub(super) fn walk(
     document: &Document,
     scene: Option<Index<json::Scene>>,
+    pose: &Pose,
     notices: &mut Notices,
 ) -> Result<Vec<Placement>> {
     let (roots, referrer) = match scene {
@@ -41,8 +47,8 @@ pub(super) fn walk(
     let mut is_visited = vec![false; document.root.nodes.len()];
     let mut placements = Vec::new();
     let mut pending: Vec<_> =
-        roots.into_iter().map(|root| (root, DAffine3::IDENTITY, None)).collect();
-    while let Some((index, world_from_parent, parent)) = pending.pop() {
+        roots.into_iter().map(|root| (root, DAffine3::IDENTITY, None, true)).collect();
+    while let Some((index, world_from_parent, parent, is_parent_visible)) = pending.pop() {
         let referrer = || parent.map_or_else(|| referrer.clone(), |p| document.label(p));
         let node = match document.root.get(index) {
             Some(node) => node,
@@ -55,18 +61,27 @@ pub(super) fn walk(
                 document.label(index),
             )));
         }
-        let parent_from_node = local_transform(document, index, node, notices)?;
+        let posed = pose.get(&index.value()).cloned().unwrap_or_default();
+        let parent_from_node = local_transform(document, index, node, &posed, notices)?;
         let world_from_node = world_from_parent * parent_from_node;
         if !world_from_node.is_finite() {
             let label = document.label(index);
             return Err(document.error(format!("{label}: its transform overflows")));
         }
-        placements.push(Placement { node: index, world_from_node });
+        let is_visible = is_parent_visible && is_shown(document, index);
+        let own_weights = || node.weights.as_ref().map(|w| w.iter().map(|&w| w.into()).collect());
+        let weights = posed.weights.or_else(own_weights);
+        placements.push(Placement { node: index, world_from_node, is_visible, weights });
         let children = node.children.iter().flatten();
-        pending.extend(children.map(|&child| (child, world_from_node, Some(index))));
+        pending.extend(children.map(|&child| (child, world_from_node, Some(index), is_visible)));
     }
     placements.sort_by_key(|placement| placement.node.value());
     Ok(placements)
+}
+
+fn is_shown(document: &Document, index: Index<json::Node>) -> bool {
+    let extensions = &document.raw["nodes"][index.value()]["extensions"];
+    extensions["KHR_node_visibility"]["visible"] != serde_json::Value::Bool(false)
 }
 
 /// Nodes that are no node's child. In a file where every node is one, none.
@@ -86,6 +101,7 @@ fn local_transform(
     document: &Document,
     index: Index<json::Node>,
     node: &json::Node,
+    posed: &NodePose,
     notices: &mut Notices,
 ) -> Result<DAffine3> {
     let error =
@@ -101,9 +117,12 @@ fn local_transform(
             false => error("the last row of its matrix must be 0 0 0 1"),
         };
     }
-    let translation = DVec3::from(node.translation.unwrap_or_default().map(f64::from));
-    let scale = DVec3::from(node.scale.unwrap_or([1.0; 3]).map(f64::from));
-    let rotation = DQuat::from_array(node.rotation.unwrap_or_default().0.map(f64::from));
+    let own = |member: Option<[f32; 3]>| member.map(|m| m.map(f64::from));
+    let translation = posed.translation.or(own(node.translation)).unwrap_or_default();
+    let scale = posed.scale.or(own(node.scale)).unwrap_or([1.0; 3]);
+    let own_rotation = node.rotation.unwrap_or_default().0.map(f64::from);
+    let rotation = DQuat::from_array(posed.rotation.unwrap_or(own_rotation));
+    let (translation, scale) = (DVec3::from(translation), DVec3::from(scale));
     // Files round their quaternions, so all are normalised.
     let length = rotation.length();
     if !(length > 0.0 && length.is_finite()) {

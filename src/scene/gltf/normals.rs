@@ -2,20 +2,39 @@
 
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
+/// Difference of a length from 1 that three normalised bytes, each off by half a step, can make.
+const LENGTH_TOLERANCE: f32 = 0.0069;
+
+/// What was done to normals.
+pub(super) struct Normalized {
+    /// Normals without direction.
+    pub(super) replaced: usize,
+    /// Normals of another length than 1.
+    pub(super) scaled: usize,
+}
+
 /// Normalises in place. A normal without direction (zero, NaN or infinite) is
 /// replaced by the average of the adjacent faces' normals, weighted by area.
-/// Returns how many were replaced.
-pub(super) fn normalize(normals: &mut [Vec3], positions: &[Vec3], triangles: &[[u32; 3]]) -> usize {
+pub(super) fn normalize(
+    normals: &mut [Vec3],
+    positions: &[Vec3],
+    triangles: &[[u32; 3]],
+) -> Normalized {
     let mut broken = vec![false; normals.len()];
+    let mut scaled = 0;
     for (normal, is_broken) in normals.iter_mut().zip(&mut broken) {
         match unit(*normal) {
-            Some(direction) => *normal = direction,
+            Some(direction) => {
+                let length = normal.length();
+                scaled += usize::from(!((length - 1.0).abs() <= LENGTH_TOLERANCE));
+                *normal = direction;
+            }
             None => *is_broken = true,
         }
     }
-    let count = broken.iter().filter(|&&is_broken| is_broken).count();
-    if count == 0 {
-        return 0;
+    let replaced = broken.iter().filter(|&&is_broken| is_broken).count();
+    if replaced == 0 {
+        return Normalized { replaced, scaled };
     }
     // In double precision the squares of small faces do not vanish.
     let mut sums = vec![glam::DVec3::ZERO; normals.len()];
@@ -31,7 +50,7 @@ pub(super) fn normalize(normals: &mut [Vec3], positions: &[Vec3], triangles: &[[
             *normal = sum.try_normalize().map_or(Vec3::Y, |n| n.as_vec3());
         }
     }
-    count
+    Normalized { replaced, scaled }
 }
 
 /// Normalises in place, and w to a sign. False if a tangent has no direction.
@@ -58,15 +77,15 @@ mod tests {
     fn broken_normals_become_the_average_of_their_faces() {
         let positions = [Vec3::ZERO, Vec3::X, Vec3::Y];
         let mut normals = [Vec3::ZERO, Vec3::new(f32::NAN, 0.0, 0.0), Vec3::X * 1e-30];
-        let replaced = normalize(&mut normals, &positions, &[[0, 1, 2]]);
-        assert_eq!(replaced, 2);
+        let done = normalize(&mut normals, &positions, &[[0, 1, 2]]);
+        assert_eq!((done.replaced, done.scaled), (2, 1));
         assert_eq!(normals, [Vec3::Z, Vec3::Z, Vec3::X]);
     }
 
     #[test]
     fn a_vertex_without_area_still_gets_a_unit_normal() {
         let mut normals = [Vec3::ZERO; 3];
-        assert_eq!(normalize(&mut normals, &[Vec3::ONE; 3], &[[0, 1, 2]]), 3);
+        assert_eq!(normalize(&mut normals, &[Vec3::ONE; 3], &[[0, 1, 2]]).replaced, 3);
         assert!(normals.iter().all(|n| n.is_normalized()));
     }
 

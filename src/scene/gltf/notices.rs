@@ -31,11 +31,24 @@ impl Notices {
         self.note(Treatment::Ignored, message.into(), place);
     }
 
+    /// Notes `count` occurrences in one place, of which there may be none.
+    pub(super) fn note_many(
+        &mut self,
+        treatment: Treatment,
+        message: &str,
+        count: usize,
+        place: &str,
+    ) {
+        if count > 0 {
+            self.occurrences
+                .entry((treatment, message.into()))
+                .or_insert_with(|| Occurrences { count: 0, first: place.into() })
+                .count += count;
+        }
+    }
+
     fn note(&mut self, treatment: Treatment, message: String, place: &str) {
-        self.occurrences
-            .entry((treatment, message))
-            .or_insert_with(|| Occurrences { count: 0, first: place.into() })
-            .count += 1;
+        self.note_many(treatment, &message, 1, place);
     }
 
     /// The lines, honoured ones first.

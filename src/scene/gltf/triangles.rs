@@ -1,5 +1,6 @@
 //! Triangle lists, strips and fans as indexed triangles.
 
+use glam::{DVec3, Vec3};
 use gltf::json::mesh::Mode;
 
 /// Triangles of a primitive and how many indices were left over.
@@ -7,6 +8,15 @@ pub(super) struct Assembled {
     pub(super) triangles: Vec<[u32; 3]>,
     /// Indices at the end of a list that make no whole triangle.
     pub(super) left_over: usize,
+}
+
+/// Triangles without area, which nothing hits.
+pub(super) fn count_degenerate(triangles: &[[u32; 3]], positions: &[Vec3]) -> usize {
+    let is_degenerate = |triangle: &&[u32; 3]| {
+        let [a, b, c] = triangle.map(|i| positions[i as usize].as_dvec3());
+        (b - a).cross(c - a) == DVec3::ZERO
+    };
+    triangles.iter().filter(is_degenerate).count()
 }
 
 /// Assembles a primitive's triangles (glTF 2.0, 3.7.2.1). Degenerate triangles

@@ -179,6 +179,7 @@ pub(in crate::viewer) fn scene_info(
         exposure_ev: flags.picture.exposure,
         tone_curve: flags.picture.tone_map,
         view: flags.picture.view,
+        animation: [flags.scene.frame_time.map(|t| t.to_string()), flags.scene.animation.clone()],
         has_lens_flags: flags.camera.aperture.is_some() || flags.camera.focus.is_some(),
         primitive_count: scene.primitive_count(),
         seconds: (job.load_seconds, 0.0),
