@@ -11,11 +11,9 @@ pub(crate) struct SceneFlags {
     /// Refuse a scene with anything that is approximated or ignored
     #[arg(long)]
     pub(crate) strict: bool,
-<<<<<<< HEAD
     /// A folder besides the scene's own whose files it may refer to; may be given several times
     #[arg(long, value_name = "DIR")]
     pub(crate) allow_external: Vec<PathBuf>,
-=======
 
     /// Show animations at this time, seconds, instead of the rest pose
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
@@ -24,20 +22,16 @@ pub(crate) struct SceneFlags {
     /// Which of the scene's animations: its name, its number, or `all`
     #[arg(long, value_name = "NAME|INDEX", requires = "frame_time")]
     pub(crate) animation: Option<String>,
->>>>>>> w/geometry
 }
 
 impl SceneFlags {
     /// What the loader is told.
     pub(crate) fn options(&self) -> LoadOptions {
-<<<<<<< HEAD
-        LoadOptions { strict: self.strict, allow_external: self.allow_external.clone() }
-=======
         LoadOptions {
             strict: self.strict,
+            allow_external: self.allow_external.clone(),
             frame_time: self.frame_time,
             animation: self.animation.clone(),
         }
->>>>>>> w/geometry
     }
 }

@@ -77,12 +77,8 @@ fn emitter_record(e: &Emitter, m: &Material) -> GpuLight {
     let mut record = blank(light::TRIANGLE, m.emitted().0);
     record.material = e.material;
     record.source = e.source;
-<<<<<<< HEAD
-    record.is_double_sided = u32::from(m.emits_behind());
-=======
     [record.cell, record.cell_side] = e.cell;
-    record.is_double_sided = u32::from(m.double_sided);
->>>>>>> w/geometry
+    record.is_double_sided = u32::from(m.emits_behind());
     match e.shape {
         EmitterShape::Triangle(v) => {
             (record.a, record.b, record.c) = (v[0].into(), v[1].into(), v[2].into());
@@ -103,27 +99,9 @@ fn emitter_power(e: &Emitter, m: &Material) -> f64 {
         }
         EmitterShape::Sphere { radius, .. } => 4.0 * PI * f64::from(radius).powi(2),
     };
-<<<<<<< HEAD
-    let (radiance, texture) = m.emitted();
-    let texture = texture.map_or(1.0, |t| mean_luminance(&images[t.image as usize]));
     let sides = if m.emits_behind() { 2.0 } else { 1.0 };
-    PI * area * sides * luminance(radiance) * texture
-}
-
-/// Mean of an sRGB image's linear luminance: stands in for the part that a triangle uses.
-fn mean_luminance(image: &Image) -> f64 {
-    let linear = |c: u8| f64::from(crate::image::linear_from_srgb(f32::from(c) / 255.0));
-    let sum: f64 = image
-        .rgba
-        .iter()
-        .map(|c| 0.2126 * linear(c[0]) + 0.7152 * linear(c[1]) + 0.0722 * linear(c[2]))
-        .sum();
-    sum / image.rgba.len() as f64
-=======
-    let sides = if m.double_sided { 2.0 } else { 1.0 };
     let [_, side] = e.cell;
     PI * area * sides * e.luminance / f64::from(side).powi(2)
->>>>>>> w/geometry
 }
 
 fn punctual(l: &PunctualLight, disk: f64) -> (GpuLight, f64) {

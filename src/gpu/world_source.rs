@@ -224,12 +224,12 @@ impl Sources {
 
 /// Mean luminance of what a material emits where nothing is known of its texture coordinates.
 fn whole_luminance(scene: &Scene, material: u32) -> f64 {
-    let m = &scene.materials[material as usize];
-    match m.emission_texture {
+    let (emission, texture) = scene.materials[material as usize].emitted();
+    match texture {
         Some(texture) => {
-            EmissionTexture::new(texture, &scene.images, luminance_weights(m.emission), 1).mean
+            EmissionTexture::new(texture, &scene.images, luminance_weights(emission), 1).mean
         }
-        None => luminance(m.emission),
+        None => luminance(emission),
     }
 }
 
@@ -239,12 +239,13 @@ fn emission_texture<'a>(
     mesh: &'a Mesh,
 ) -> Option<(EmissionTexture<'a>, &'a [glam::Vec2])> {
     let m = &scene.materials[mesh.material as usize];
-    let texture = m.emission_texture.filter(|_| m.is_emissive())?;
+    let (emission, texture) = m.emitted();
+    let texture = texture.filter(|_| m.is_emissive())?;
     let uvs = &mesh.uvs[texture.uv_set as usize];
     if uvs.is_empty() {
         return None;
     }
-    let weights = luminance_weights(m.emission);
+    let weights = luminance_weights(emission);
     let triangles = emissive_textured_triangles(scene);
     Some((EmissionTexture::new(texture, &scene.images, weights, triangles), uvs))
 }
@@ -253,7 +254,7 @@ fn emissive_textured_triangles(scene: &Scene) -> usize {
     let meshes = scene.instances.iter().map(|i| &scene.meshes[i.mesh as usize]);
     let has_texture = |mesh: &&Mesh| {
         let m = &scene.materials[mesh.material as usize];
-        m.is_emissive() && m.emission_texture.is_some()
+        m.is_emissive() && m.emitted().1.is_some()
     };
     meshes.filter(has_texture).map(|mesh| mesh.triangles.len()).sum()
 }

@@ -1,12 +1,9 @@
 //! The parsed JSON of a scene file, and how its objects are named in messages.
 
 use super::limits::Budget;
-<<<<<<< HEAD
-use super::uri::Reach;
-=======
 use super::motion::RawAnimation;
 use super::skins::RawSkin;
->>>>>>> w/geometry
+use super::uri::Reach;
 use crate::{Error, Result};
 use gltf::json;
 use serde::Deserialize;
@@ -49,18 +46,7 @@ impl Document {
                 Err(located) => invalid(&located),
                 Ok(_) => invalid(&e),
             })?;
-<<<<<<< HEAD
-        Ok(Self { path: path.into(), reach, root, raw, animation_count, budget })
-=======
-        let folder = match path.parent() {
-            Some(parent) if parent != Path::new("") => parent,
-            _ => Path::new("."),
-        };
-        let folder = folder
-            .canonicalize()
-            .map_err(|e| Error::scene(path, format!("its folder cannot be read: {e}")))?;
-        Ok(Self { path: path.into(), folder, root, raw, skins, animations, budget })
->>>>>>> w/geometry
+        Ok(Self { path: path.into(), reach, root, raw, skins, animations, budget })
     }
 
     /// An error in the scene file.
