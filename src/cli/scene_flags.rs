@@ -10,11 +10,21 @@ pub(crate) struct SceneFlags {
     /// Refuse a scene with anything that is approximated or ignored
     #[arg(long)]
     pub(crate) strict: bool,
+    /// Materials of this variant of the file (KHR_materials_variants)
+    #[arg(long, value_name = "NAME")]
+    pub(crate) variant: Option<String>,
+    /// Bring images down whose longer side has more texels than this
+    #[arg(long, value_name = "TEXELS", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) max_texture_size: Option<u32>,
 }
 
 impl SceneFlags {
     /// What the loader is told.
     pub(crate) fn options(&self) -> LoadOptions {
-        LoadOptions { strict: self.strict }
+        LoadOptions {
+            strict: self.strict,
+            variant: self.variant.clone(),
+            max_texture_size: self.max_texture_size,
+        }
     }
 }

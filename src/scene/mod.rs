@@ -52,6 +52,8 @@ pub struct Scene {
     /// Cameras of the file in node order; never empty after loading: where the
     /// file has none, a default one frames the scene.
     pub cameras: Vec<Camera>,
+    /// Names of the file's material variants (KHR_materials_variants).
+    pub variants: Vec<String>,
     /// What of the file is honoured, approximated or ignored.
     pub notices: Vec<Notice>,
 }

@@ -41,6 +41,8 @@ features! {
     VertexData = "VERTEX_DATA",
     /// Images.
     Textures = "TEXTURES",
+    /// Images that need more than one buffer of the device.
+    SplitTextures = "SPLIT_TEXTURES",
     /// Alpha MASK or BLEND.
     Alpha = "ALPHA",
     /// A rough specular lobe.
@@ -102,7 +104,8 @@ impl Feature {
         use Feature::*;
         matches!(
             self,
-            Packets
+            SplitTextures
+                | Packets
                 | BruteForce
                 | Nee
                 | ManyLightSamples

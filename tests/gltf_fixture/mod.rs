@@ -153,7 +153,11 @@ impl Fixture {
     }
 
     pub(crate) fn load_strict(&self) -> steradian::Result<Scene> {
-        load_with(&self.write("scene.glb", &self.glb()), &LoadOptions { strict: true })
+        self.load_with(&LoadOptions { strict: true, ..LoadOptions::default() })
+    }
+
+    pub(crate) fn load_with(&self, options: &LoadOptions) -> steradian::Result<Scene> {
+        load_with(&self.write("scene.glb", &self.glb()), options)
     }
 
     /// The message with which the file is refused.

@@ -8,22 +8,45 @@ use std::collections::BTreeSet;
 
 /// Extensions that are rendered. What of one is approximated has a notice of
 /// its own where it is read.
-const SUPPORTED: [&str; 8] = [
+const SUPPORTED: [&str; 18] = [
+    "EXT_texture_webp",
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 ];
 
+/// Supported where this build has a transcoder.
+const BASIS: &str = "KHR_texture_basisu";
+
+fn is_supported(name: &str) -> bool {
+    SUPPORTED.contains(&name) || (name == BASIS && cfg!(feature = "basis"))
+}
+
 /// Refuses a file that requires what is not supported; notes every other
 /// extension that occurs.
 pub(super) fn check(document: &Document, notices: &mut Notices) -> Result<()> {
     for name in &document.root.extensions_required {
-        if !SUPPORTED.contains(&name.as_str()) {
+        if name == BASIS && !is_supported(name) {
+            return Err(document.error(format!(
+                "the file requires the extension {name:?}: this needs a build with the cargo \
+                 feature `basis`"
+            )));
+        }
+        if !is_supported(name) {
             return Err(document.error(format!(
                 "the file requires the extension {name:?}, which is not supported; export it without"
             )));
@@ -44,10 +67,9 @@ pub(super) fn check(document: &Document, notices: &mut Notices) -> Result<()> {
 
 fn note(name: &str, place: &str, notices: &mut Notices) {
     match name {
-        "KHR_materials_unlit" => {
-            notices.ignored("KHR_materials_unlit: shaded as an ordinary material", place);
-        }
-        _ if SUPPORTED.contains(&name) => notices.honoured(name, place),
+        _ if is_supported(name) => notices.honoured(name, place),
+        // What becomes of the texture is noted where it is read.
+        BASIS => {}
         _ => notices.ignored(format!("extension {}", name.escape_debug()), place),
     }
 }

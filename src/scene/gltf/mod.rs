@@ -16,15 +16,22 @@ mod extras;
 mod geometry;
 mod images;
 mod instances;
+mod ktx2_images;
 mod lights;
 mod limits;
+mod material_extensions;
 mod materials;
+mod members;
 mod nodes;
 mod normals;
 mod notices;
+mod resize;
+mod tangents;
 mod textures;
 mod triangles;
 mod uri;
+mod uv_sets;
+mod variants;
 
 use super::{Notice, Scene, Treatment};
 use crate::{Error, Result};
@@ -35,12 +42,17 @@ use glam::Vec3;
 use limits::Budget;
 use notices::Notices;
 use std::path::Path;
+use variants::Variants;
 
 /// How to treat what cannot be rendered as the file says.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct LoadOptions {
     /// Refuse a file with any feature that is approximated or ignored.
     pub strict: bool,
+    /// KHR_materials_variants: the variant whose materials are used; without one the default.
+    pub variant: Option<String>,
+    /// Bring images down whose sides are longer than this, in texels; at least 1.
+    pub max_texture_size: Option<u32>,
 }
 
 /// Loads a `.gltf` or `.glb` file with default options.
@@ -70,9 +82,12 @@ pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Scene> {
 
     let scene = nodes::default_scene(document)?;
     let placements = &nodes::walk(document, scene, &mut notices)?;
-    let (mut materials, images) = materials::read(document, buffers, &mut notices)?;
+    let variants = Variants::read(document, options.variant.as_deref())?;
+    let max_texture_size = options.max_texture_size;
+    let mut materials = materials::read(document, buffers, max_texture_size, &mut notices)?;
     let accessors = &Accessors { document, buffers };
-    let (shapes, meshes) = geometry::read(accessors, placements, &mut materials, &mut notices)?;
+    let (shapes, meshes) =
+        geometry::read(accessors, placements, &variants, &mut materials, &mut notices)?;
     geometry::note_rest_pose(document, placements, &mut notices)?;
     let placed = instances::place(document, placements, &shapes, &meshes, &mut notices)?;
     let bounds = placed.bounds.ok_or_else(|| {
@@ -85,8 +100,9 @@ pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Scene> {
         meshes,
         instances: placed.instances,
         spheres: placed.spheres,
-        materials,
-        images,
+        materials: materials.materials,
+        images: materials.images,
+        variants: variants.names,
         lights: lights::read(document, placements, &mut notices)?,
         environment: environment::read(document, scene, &mut notices)?,
         cameras: cameras::read(document, placements, bounds, &mut notices)?,
