@@ -3,12 +3,34 @@
 
 // First the descriptors, three vec4 each: (first texel, width, height, TEXTURE_
 // flags) and the two rows of the transform of texture coordinates; then RGBA8
-// texels, four to a vec4.
+// texels, four to a vec4. The fourth component of the first row holds the shift
+// of texture_word.
 @group(0) @binding(7) var<storage, read> textures: array<vec4<u32>>;
 
-fn texture_texel(first: u32, index: u32) -> vec4<f32> {
+#if SPLIT_TEXTURES
+// What follows where one binding cannot hold all: 1 << shift words in each.
+@group(0) @binding(9) var<storage, read> textures_1: array<vec4<u32>>;
+@group(0) @binding(10) var<storage, read> textures_2: array<vec4<u32>>;
+@group(0) @binding(11) var<storage, read> textures_3: array<vec4<u32>>;
+#endif
+
+fn texture_word(at: u32, shift: u32) -> vec4<u32> {
+#if SPLIT_TEXTURES
+    let within = at & ((1u << shift) - 1u);
+    switch at >> shift {
+        case 1u: { return textures_1[within]; }
+        case 2u: { return textures_2[within]; }
+        case 3u: { return textures_3[within]; }
+        default: { return textures[within]; }
+    }
+#else
+    return textures[at];
+#endif
+}
+
+fn texture_texel(first: u32, index: u32, shift: u32) -> vec4<f32> {
     let at = first + index;
-    return unpack4x8unorm(textures[at >> 2u][at & 3u]);
+    return unpack4x8unorm(texture_word(at >> 2u, shift)[at & 3u]);
 }
 
 // IEC 61966-2-1.
@@ -36,6 +58,7 @@ fn texture_or_white(texture: u32, uv: vec4<f32>) -> vec4<f32> {
     let x_row = bitcast<vec4<f32>>(textures[3u * texture + 1u]);
     let y_row = bitcast<vec4<f32>>(textures[3u * texture + 2u]);
     let flags = head.w;
+    let shift = bitcast<u32>(x_row.w);
     let chosen = select(uv.xy, uv.zw, (flags & TEXTURE_UV_SET) != 0u);
     let size = vec2<i32>(head.yz);
     let at = vec2<f32>(dot(x_row.xyz, vec3<f32>(chosen, 1.0)), dot(y_row.xyz, vec3<f32>(chosen, 1.0)));
@@ -47,10 +70,10 @@ fn texture_or_white(texture: u32, uv: vec4<f32>) -> vec4<f32> {
     let mode = vec2<u32>(flags >> TEXTURE_WRAP_U_SHIFT, flags >> TEXTURE_WRAP_V_SHIFT) & vec2<u32>(3u);
     let x = vec2<u32>(vec2<i32>(texture_wrap(i.x, size.x, mode.x), texture_wrap(i.x + 1, size.x, mode.x)));
     let y = vec2<u32>(vec2<i32>(texture_wrap(i.y, size.y, mode.y), texture_wrap(i.y + 1, size.y, mode.y)));
-    var t00 = texture_texel(head.x, y.x * head.y + x.x);
-    var t10 = texture_texel(head.x, y.x * head.y + x.y);
-    var t01 = texture_texel(head.x, y.y * head.y + x.x);
-    var t11 = texture_texel(head.x, y.y * head.y + x.y);
+    var t00 = texture_texel(head.x, y.x * head.y + x.x, shift);
+    var t10 = texture_texel(head.x, y.x * head.y + x.y, shift);
+    var t01 = texture_texel(head.x, y.y * head.y + x.x, shift);
+    var t11 = texture_texel(head.x, y.y * head.y + x.y, shift);
     if (flags & TEXTURE_SRGB) != 0u {
         t00 = vec4<f32>(texture_from_srgb(t00.rgb), t00.a);
         t10 = vec4<f32>(texture_from_srgb(t10.rgb), t10.a);

@@ -38,6 +38,9 @@ fn contents(scene: &Scene) -> Vec<Line> {
     let stored: usize = scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
     let placed = scene.primitive_count() - scene.spheres.len();
     let texels: u64 = scene.images.iter().map(|i| u64::from(i.width) * u64::from(i.height)).sum();
+    let largest = scene.images.iter().max_by_key(|i| i.width.max(i.height));
+    let largest =
+        largest.map_or(String::new(), |i| format!(", the largest {}x{}", i.width, i.height));
     let bounds = scene.bounds().map_or("none".to_owned(), |(low, high)| {
         format!("{} {} {} to {} {} {} m", low.x, low.y, low.z, high.x, high.y, high.z)
     });
@@ -48,10 +51,18 @@ fn contents(scene: &Scene) -> Vec<Line> {
         ("triangles", format!("{stored}, after instancing {placed}")),
         ("spheres", scene.spheres.len().to_string()),
         ("materials", scene.materials.len().to_string()),
-        ("images", format!("{}, {texels} texels", scene.images.len())),
+        ("variants", variants(scene)),
+        ("images", format!("{}, {texels} texels{largest}", scene.images.len())),
         ("lights", lights(scene)),
         ("environment", scene.environment.as_ref().map_or("none".into(), environment)),
     ]
+}
+
+fn variants(scene: &Scene) -> String {
+    match scene.variants.is_empty() {
+        true => "none".to_owned(),
+        false => scene.variants.join(", "),
+    }
 }
 
 fn lights(scene: &Scene) -> String {
@@ -131,7 +142,7 @@ fn memory(buffers: &SceneBuffers, selector: Option<&str>) -> Vec<Line> {
     };
     match devices {
         Ok(devices) if !devices.is_empty() => {
-            lines.extend(devices.iter().map(|device| ("device", fit(&sizes, device))));
+            lines.extend(devices.iter().map(|device| ("device", fit(buffers, device))));
         }
         Ok(_) => lines.push(("device", "none found, so no limits to compare with".into())),
         Err(error) => lines.push(("device", error.to_string())),
@@ -139,14 +150,13 @@ fn memory(buffers: &SceneBuffers, selector: Option<&str>) -> Vec<Line> {
     lines
 }
 
-fn fit(sizes: &[(&str, usize)], device: &DeviceInfo) -> String {
-    let limit = device.max_binding_size;
-    let too_large = sizes.iter().filter(|(_, bytes)| *bytes as u64 > limit);
-    let names: Vec<_> = too_large.map(|(name, _)| *name).collect();
+fn fit(buffers: &SceneBuffers, device: &DeviceInfo) -> String {
+    let names = buffers.too_large_for(device);
     let verdict = if names.is_empty() {
         "the scene fits".to_owned()
     } else {
-        format!("the scene does not fit: {} larger than a binding", names.join(", "))
+        format!("the scene does not fit: {} larger than can be bound", names.join(", "))
     };
+    let limit = device.max_binding_size;
     format!("{} {}, {} in a binding: {verdict}", device.index, device.name, size(limit))
 }

@@ -22,6 +22,14 @@ pub(crate) struct SceneFlags {
     /// Which of the scene's animations: its name, its number, or `all`
     #[arg(long, value_name = "NAME|INDEX", requires = "frame_time")]
     pub(crate) animation: Option<String>,
+
+    /// Materials of this variant of the file (KHR_materials_variants)
+    #[arg(long, value_name = "NAME")]
+    pub(crate) variant: Option<String>,
+
+    /// Bring images down whose longer side has more texels than this
+    #[arg(long, value_name = "TEXELS", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) max_texture_size: Option<u32>,
 }
 
 impl SceneFlags {
@@ -32,6 +40,8 @@ impl SceneFlags {
             allow_external: self.allow_external.clone(),
             frame_time: self.frame_time,
             animation: self.animation.clone(),
+            variant: self.variant.clone(),
+            max_texture_size: self.max_texture_size,
         }
     }
 }

@@ -170,6 +170,7 @@ mod tests {
             }
         }
         println!("sheen {worst_sheen:?} ggx {worst_ggx:?}");
-        let _ = (); assert!(worst_sheen.0 < 0.03 && worst_ggx.0 < 4e-3);
+        let _ = ();
+        assert!(worst_sheen.0 < 0.03 && worst_ggx.0 < 4e-3);
     }
 }

@@ -105,11 +105,10 @@ impl Batch<'_> {
             contents: bytemuck::bytes_of(&buffers.facts().frame(scene, settings)),
             usage: wgpu::BufferUsages::UNIFORM,
         });
-        Ok(BatchScene {
-            features: Features::of(scene, settings),
-            stack_size: buffers.world.stack_size.max(1),
-            frame,
-            buffers: buffers.upload(device)?,
-        })
+        let stack_size = buffers.world.stack_size.max(1);
+        let buffers = buffers.upload(device)?;
+        let is_split = buffers.has_split_textures();
+        let features = Features::of(scene, settings).with_if(Feature::SplitTextures, is_split);
+        Ok(BatchScene { features, stack_size, frame, buffers })
     }
 }

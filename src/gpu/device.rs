@@ -50,6 +50,7 @@ pub struct Device {
     /// Those that were compiled, by their texts.
     pub(super) kernels: Mutex<HashMap<String, Kernel>>,
     info: DeviceInfo,
+    texture_binding_size: u64,
     /// The first error that no call reported.
     failure: Arc<Mutex<Option<String>>>,
 }
@@ -150,7 +151,9 @@ impl Device {
                 keep_first(&on_loss, format!("device lost: {message}"));
             }
         });
-        Ok(Self { device, queue, kernels: Mutex::default(), info, failure })
+        let texture_binding_size = info.max_binding_size;
+        let kernels = Mutex::default();
+        Ok(Self { device, queue, kernels, info, texture_binding_size, failure })
     }
 
     /// Whether packets pay: a processor whose vector registers hold subgroups of eight.
@@ -164,6 +167,17 @@ impl Device {
     /// About the adapter.
     pub fn info(&self) -> &DeviceInfo {
         &self.info
+    }
+
+    /// Spreads textures over bindings of at most `bytes`, less than the device offers: so that a
+    /// small scene can show what a large one does.
+    pub fn limit_texture_bindings(&mut self, bytes: u64) {
+        self.texture_binding_size = bytes.min(self.info.max_binding_size);
+    }
+
+    /// Bytes of textures in one binding at most.
+    pub(super) fn texture_binding_size(&self) -> u64 {
+        self.texture_binding_size
     }
 
     /// Waits for all submitted work.

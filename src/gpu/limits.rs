@@ -3,6 +3,11 @@
 use super::DeviceInfo;
 use crate::{Error, Result};
 
+/// Bytes for people.
+pub(super) fn mebibytes(bytes: u64) -> f64 {
+    bytes as f64 / 1_048_576.0
+}
+
 /// Whether `bytes` can be bound as one storage buffer.
 ///
 /// # Errors
@@ -13,7 +18,6 @@ pub(crate) fn check_binding(
     bytes: usize,
     remedy: &str,
 ) -> Result<()> {
-    let mebibytes = |b: u64| b as f64 / 1_048_576.0;
     if bytes as u64 <= info.max_binding_size {
         return Ok(());
     }

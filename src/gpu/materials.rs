@@ -3,12 +3,70 @@
 use super::GpuMaterial;
 use crate::scene::{AlphaMode, ColorSpace, Image, Material, Scene, TextureRef, Wrap};
 use crate::shader::generated::{INVALID, material, texture};
+use std::borrow::Cow;
 
 /// `materials` and `textures`.
 pub(super) struct Materials {
     pub(super) records: Vec<GpuMaterial>,
     /// Descriptors, then texels.
-    pub(super) textures: Vec<[u32; 4]>,
+    textures: Vec<[u32; 4]>,
+    descriptor_count: usize,
+}
+
+/// The variables that hold the words of [`Materials`]' textures, one after the other; where one
+/// buffer can hold all, only the first is used.
+pub(super) const TEXTURE_BUFFERS: [&str; 4] =
+    ["textures", "textures_1", "textures_2", "textures_3"];
+
+/// Storage buffers that a kernel binds besides the last three of those.
+const OTHER_BUFFERS: u32 = 8;
+
+/// How textures are spread over buffers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Spread {
+    /// All in the first.
+    One,
+    /// `1 << shift` words in each but the last.
+    Many { shift: u32 },
+}
+
+impl Spread {
+    /// Of `bytes` over bindings of at most `limit` bytes where `most_buffers` can be bound;
+    /// nothing where they do not suffice.
+    pub(super) fn of(bytes: u64, limit: u64, most_buffers: u32) -> Option<Self> {
+        if bytes <= limit {
+            return Some(Self::One);
+        }
+        let shift = (limit / 16).checked_ilog2()?;
+        let buffers = bytes.div_ceil(16 << shift);
+        let extra = TEXTURE_BUFFERS.len() as u32 - 1;
+        let fits = buffers <= TEXTURE_BUFFERS.len() as u64 && most_buffers >= OTHER_BUFFERS + extra;
+        fits.then_some(Self::Many { shift })
+    }
+}
+
+impl Materials {
+    /// Bytes of all textures.
+    pub(super) fn texture_bytes(&self) -> usize {
+        size_of_val(self.textures.as_slice())
+    }
+
+    /// The contents of the buffers, by [`TEXTURE_BUFFERS`]. The descriptors, which are in the
+    /// first, tell the shift.
+    pub(super) fn texture_buffers(&self, spread: Spread) -> Vec<Cow<'_, [[u32; 4]]>> {
+        let Spread::Many { shift } = spread else { return vec![self.textures.as_slice().into()] };
+        let mut buffers: Vec<Cow<[[u32; 4]]>> =
+            self.textures.chunks(1 << shift).map(Cow::Borrowed).collect();
+        for descriptor in 0..self.descriptor_count {
+            buffers[0].to_mut()[3 * descriptor + 1][3] = shift;
+        }
+        buffers
+    }
+
+    /// Bytes of the descriptors, which the first buffer must hold.
+    pub(super) fn descriptor_bytes(&self) -> usize {
+        3 * 16 * self.descriptor_count
+    }
 }
 
 /// Descriptors of the textures in use, in the order of their first use.
@@ -43,7 +101,8 @@ pub(super) fn build(scene: &Scene) -> Materials {
             record(&m.without_shading(), &mut slot)
         })
         .collect();
-    Materials { records, textures: pack(&descriptors.list, &scene.images) }
+    let descriptor_count = descriptors.list.len();
+    Materials { records, textures: pack(&descriptors.list, &scene.images), descriptor_count }
 }
 
 /// `slot` numbers a texture.
@@ -183,4 +242,25 @@ fn flags(t: &TextureRef) -> u32 {
         | flag(t.nearest, texture::NEAREST)
         | wrap(t.wrap[0]) << texture::WRAP_U_SHIFT
         | wrap(t.wrap[1]) << texture::WRAP_V_SHIFT
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn textures_spread_over_as_many_buffers_as_they_need() {
+        let mebibytes = |n: u64| n << 20;
+        assert_eq!(Spread::of(mebibytes(128), mebibytes(128), 8), Some(Spread::One));
+        let two = Spread::of(mebibytes(128) + 16, mebibytes(128), 11);
+        assert_eq!(two, Some(Spread::Many { shift: 23 }));
+        assert_eq!(Spread::of(mebibytes(512), mebibytes(128), 11), two);
+        assert_eq!(Spread::of(mebibytes(512) + 16, mebibytes(128), 11), None);
+        // Three more variables must fit.
+        assert_eq!(Spread::of(mebibytes(129), mebibytes(128), 10), None);
+        // Parts are powers of two, wholes need not be.
+        assert_eq!(Spread::of(100, 100, 8), Some(Spread::One));
+        assert_eq!(Spread::of(112, 100, 11), Some(Spread::Many { shift: 2 }));
+        assert_eq!(Spread::of(1, 0, 11), None);
+    }
 }

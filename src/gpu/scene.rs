@@ -1,12 +1,13 @@
 //! The scene's buffers.
 
-use super::limits::check_binding;
+use super::limits::{check_binding, mebibytes};
+use super::materials::{Spread, TEXTURE_BUFFERS};
 use super::world::{Emitter, TreeWidth, World};
-use super::{BufferFacts, Device, albedos, environment, lights, materials};
-use crate::Result;
+use super::{BufferFacts, Device, DeviceInfo, albedos, environment, lights, materials};
 use crate::scene::Scene;
 use crate::settings::RenderSettings;
 use crate::shader::Features;
+use crate::{Error, Result};
 
 /// Everything of the scene that the device reads, still in memory.
 pub struct SceneBuffers {
@@ -24,10 +25,10 @@ pub struct GpuScene {
     bytes: u64,
     facts: BufferFacts,
     emitters: Vec<Emitter>,
+    has_split_textures: bool,
 }
 
 const FEWER_EMITTERS: &str = "use fewer emissive triangles";
-const FEWER_TEXELS: &str = "use smaller images";
 const SMALLER_MAP: &str = "reduce it with --max-environment-size";
 
 impl SceneBuffers {
@@ -42,9 +43,39 @@ impl SceneBuffers {
         Ok(Self { world, materials: materials::build(scene), lights, environment, albedos })
     }
 
-    /// What the device would hold: name and bytes of each buffer.
+    /// What the device would hold: names and bytes. Textures may spread over several buffers.
     pub fn sizes(&self) -> Vec<(&'static str, usize)> {
-        self.arrays().into_iter().map(|(name, _, bytes)| (name, bytes.len())).collect()
+        let arrays = self.arrays().into_iter().map(|(name, _, bytes)| (name, bytes.len()));
+        arrays.chain([("textures", self.materials.texture_bytes())]).collect()
+    }
+
+    /// Names of what is larger than a device of these limits can bind.
+    pub fn too_large_for(&self, device: &DeviceInfo) -> Vec<&'static str> {
+        let limit = device.max_binding_size;
+        let arrays = self.arrays().into_iter().filter(|(_, _, bytes)| bytes.len() as u64 > limit);
+        let textures = self.spread(device, limit).is_err().then_some("textures");
+        arrays.map(|(name, ..)| name).chain(textures).collect()
+    }
+
+    /// How textures spread over bindings of at most `limit` bytes.
+    fn spread(&self, device: &DeviceInfo, limit: u64) -> Result<Spread> {
+        let bytes = self.materials.texture_bytes() as u64;
+        let spread = Spread::of(bytes, limit, device.max_storage_buffers);
+        let head = self.materials.descriptor_bytes() as u64;
+        let has_head = |s: &Spread| match *s {
+            Spread::One => true,
+            Spread::Many { shift } => head <= 16 << shift,
+        };
+        spread.filter(has_head).ok_or_else(|| {
+            Error::Limit(format!(
+                "the scene's textures need {:.1} MiB, {} offers {} bindings of {:.1} MiB: \
+                 bring images down with --max-texture-size",
+                mebibytes(bytes),
+                device.name,
+                TEXTURE_BUFFERS.len(),
+                mebibytes(limit),
+            ))
+        })
     }
 
     fn arrays(&self) -> Vec<(&'static str, &'static str, &[u8])> {
@@ -56,7 +87,6 @@ impl SceneBuffers {
             ("attributes", fewer_triangles, bytemuck::cast_slice(&self.world.attributes)),
             ("materials", "use fewer materials", bytemuck::cast_slice(&self.materials.records)),
             ("lights", FEWER_EMITTERS, bytemuck::cast_slice(&self.lights.records)),
-            ("textures", FEWER_TEXELS, bytemuck::cast_slice(&self.materials.textures)),
             ("environment", SMALLER_MAP, bytemuck::cast_slice(environment)),
         ]
     }
@@ -70,14 +100,23 @@ impl SceneBuffers {
         for (name, remedy, bytes) in &arrays {
             check_binding(device.info(), &format!("the scene's {name}"), bytes.len(), remedy)?;
         }
-        let bytes = arrays.iter().map(|(_, _, b)| b.len() as u64).sum();
+        let spread = self.spread(device.info(), device.texture_binding_size())?;
+        let textures = self.materials.texture_buffers(spread);
+        let bytes = arrays.iter().map(|(_, _, b)| b.len() as u64).sum::<u64>()
+            + self.materials.texture_bytes() as u64;
         let mut buffers: Vec<_> =
             arrays.iter().map(|(name, _, b)| (*name, device.storage_buffer(name, b))).collect();
+        // Kernels that read several bind them all; what they do not reach may be empty.
+        for (index, name) in TEXTURE_BUFFERS.into_iter().enumerate() {
+            let words = textures.get(index).map_or(&[][..], |words| words);
+            buffers.push((name, device.storage_buffer(name, bytemuck::cast_slice(words))));
+        }
         let albedos = bytemuck::cast_slice(&self.albedos);
         buffers.push(("albedos", device.uniform_buffer("albedos", albedos)));
         device.wait()?;
         let emitters = self.world.emitters.clone();
-        Ok(GpuScene { buffers, bytes, facts: self.facts(), emitters })
+        let has_split_textures = spread != Spread::One;
+        Ok(GpuScene { buffers, bytes, facts: self.facts(), emitters, has_split_textures })
     }
 }
 
@@ -113,12 +152,18 @@ impl GpuScene {
         }
         device.wait()?;
         let facts = self.facts.with_lights(&lights);
-        Ok(Self { buffers, bytes, facts, emitters: self.emitters.clone() })
+        let has_split_textures = self.has_split_textures;
+        Ok(Self { buffers, bytes, facts, emitters: self.emitters.clone(), has_split_textures })
     }
 
     /// What the uniforms say of the buffers.
     pub fn facts(&self) -> &BufferFacts {
         &self.facts
+    }
+
+    /// Whether the textures are in several buffers.
+    pub fn has_split_textures(&self) -> bool {
+        self.has_split_textures
     }
 
     /// Buffers by the names of the shaders' variables.

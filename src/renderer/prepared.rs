@@ -88,7 +88,9 @@ impl PreparedScene {
     /// camera is now, and trees are those that were built.
     pub(super) fn features(&self, scene: &Scene, settings: &RenderSettings) -> Features {
         let settings = RenderSettings { accel: self.accel, ..settings.clone() };
-        let features = Features::of(scene, &settings).with_if(Feature::Packets, self.has_packets);
+        let features = Features::of(scene, &settings)
+            .with_if(Feature::Packets, self.has_packets)
+            .with_if(Feature::SplitTextures, self.buffers.has_split_textures());
         match self.has_anchors || settings.all_features {
             true => features.with_if(Feature::AnchoredSpheres, self.has_anchors),
             false => features.without(Feature::AnchoredSpheres),

@@ -16,7 +16,8 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Unit tangents; w is the sign of the bitangent, `cross(normal, tangent) * w`.
     pub tangents: Vec<Vec4>,
-    /// Texture coordinates of sets 0 and 1; (0, 0) is the upper left corner.
+    /// Texture coordinates of the two sets that the material can use, 0 and 1 of the file unless
+    /// it uses others; (0, 0) is the upper left corner.
     pub uvs: [Vec<Vec2>; 2],
     /// Linear vertex colours that multiply the base colour.
     pub colors: Vec<Vec4>,

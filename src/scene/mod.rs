@@ -54,6 +54,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// The file's animations; the scene is what one of them shows, or the rest pose.
     pub animations: Vec<Animation>,
+    /// Names of the file's material variants (KHR_materials_variants).
+    pub variants: Vec<String>,
     /// What of the file is honoured, approximated or ignored.
     pub notices: Vec<Notice>,
 }

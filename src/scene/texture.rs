@@ -2,7 +2,7 @@
 
 use glam::Affine2;
 
-/// Pixels as read from a PNG or JPEG, row by row from the top.
+/// Pixels as read from a file, row by row from the top.
 #[derive(Debug, Clone)]
 pub struct Image {
     /// Name or URI in the file, for messages.

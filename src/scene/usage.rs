@@ -111,32 +111,58 @@ impl Scene {
     }
 }
 
+/// Every slot of a material, borrowed by `$borrow`; `$iter` iterates over an optional lobe.
+macro_rules! texture_slots {
+    ($material:ident, $iter:ident, $($borrow:tt)+) => {{
+        let m = $material;
+        // The order tells which textures stay where there are too many sets of coordinates.
+        let mut slots = vec![
+            $($borrow)+ m.base_color_texture,
+            $($borrow)+ m.normal_texture,
+            $($borrow)+ m.metallic_roughness_texture,
+            $($borrow)+ m.emission_texture,
+            $($borrow)+ m.specular_texture,
+            $($borrow)+ m.specular_color_texture,
+            $($borrow)+ m.transmission_texture,
+        ];
+        slots.extend(m.specular_glossiness.$iter().map(|s| $($borrow)+ s.texture));
+        slots.extend(m.diffuse_transmission.$iter().flat_map(|d| {
+            [$($borrow)+ d.texture, $($borrow)+ d.color_texture]
+        }));
+        slots.extend(m.anisotropy.$iter().map(|a| $($borrow)+ a.texture));
+        slots.extend(m.iridescence.$iter().flat_map(|i| {
+            [$($borrow)+ i.texture, $($borrow)+ i.thickness_texture]
+        }));
+        slots.extend(m.sheen.$iter().flat_map(|s| {
+            [$($borrow)+ s.color_texture, $($borrow)+ s.roughness_texture]
+        }));
+        slots.extend(m.clearcoat.$iter().flat_map(|c| {
+            [$($borrow)+ c.texture, $($borrow)+ c.roughness_texture, $($borrow)+ c.normal_texture]
+        }));
+        slots
+    }};
+}
+
 impl super::Material {
     /// The textures in use.
     pub fn textures(&self) -> impl Iterator<Item = TextureRef> {
-        let of_base = [
-            self.base_color_texture,
-            self.metallic_roughness_texture,
-            self.normal_texture,
-            self.specular_glossiness.as_ref().and_then(|s| s.texture),
-            self.emission_texture,
-            self.specular_texture,
-            self.specular_color_texture,
-            self.transmission_texture,
-        ];
-        let diffuse = self.diffuse_transmission.iter().flat_map(|d| [d.texture, d.color_texture]);
-        let anisotropy = self.anisotropy.iter().map(|a| a.texture);
-        let film = self.iridescence.iter().flat_map(|i| [i.texture, i.thickness_texture]);
-        let sheen = self.sheen.iter().flat_map(|s| [s.color_texture, s.roughness_texture]);
-        let coat =
-            self.clearcoat.iter().flat_map(|c| [c.texture, c.roughness_texture, c.normal_texture]);
-        of_base
-            .into_iter()
-            .chain(diffuse)
-            .chain(anisotropy)
-            .chain(film)
-            .chain(sheen)
-            .chain(coat)
-            .flatten()
+        texture_slots!(self, iter, &).into_iter().copied().flatten()
+    }
+
+    /// Every slot for a texture.
+    pub(super) fn texture_slots_mut(&mut self) -> Vec<&mut Option<TextureRef>> {
+        texture_slots!(self, iter_mut, &mut)
+    }
+
+    /// The texture whose coordinates give the tangents, where the material needs any: normal maps
+    /// and anisotropy do. The inner `None`: set 0, untransformed.
+    pub fn tangent_texture(&self) -> Option<Option<TextureRef>> {
+        let anisotropy = self.anisotropy.as_ref().map(|a| a.texture);
+        self.normal_texture.or(self.clearcoat_normals()).map(Some).or(anisotropy)
+    }
+
+    /// The clearcoat's normal texture.
+    pub(super) fn clearcoat_normals(&self) -> Option<TextureRef> {
+        self.clearcoat.as_ref().and_then(|c| c.normal_texture)
     }
 }

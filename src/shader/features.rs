@@ -41,6 +41,8 @@ features! {
     VertexData = "VERTEX_DATA",
     /// Images.
     Textures = "TEXTURES",
+    /// Images that need more than one buffer of the device.
+    SplitTextures = "SPLIT_TEXTURES",
     /// Alpha MASK or BLEND.
     Alpha = "ALPHA",
     /// Camera rays pass through the backs of some triangles.
@@ -136,7 +138,8 @@ impl Feature {
         use Feature::*;
         matches!(
             self,
-            Packets
+            SplitTextures
+                | Packets
                 | BruteForce
                 | Nee
                 | ManyLightSamples

@@ -158,8 +158,11 @@ impl Fixture {
     }
 
     pub(crate) fn load_strict(&self) -> steradian::Result<Scene> {
-        let options = LoadOptions { strict: true, ..LoadOptions::default() };
-        load_with(&self.write("scene.glb", &self.glb()), &options)
+        self.load_with(&LoadOptions { strict: true, ..LoadOptions::default() })
+    }
+
+    pub(crate) fn load_with(&self, options: &LoadOptions) -> steradian::Result<Scene> {
+        load_with(&self.write("scene.glb", &self.glb()), options)
     }
 
     /// The message with which the file is refused.

@@ -11,11 +11,21 @@ use std::collections::BTreeSet;
 const SUPPORTED: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
+    "EXT_texture_webp",
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
@@ -23,26 +33,30 @@ const SUPPORTED: &[&str] = &[
     "KHR_texture_transform",
 ];
 
+/// Supported where this build has a decoder.
 const DRACO: &str = "KHR_draco_mesh_compression";
+/// Supported where this build has a transcoder.
+const BASIS: &str = "KHR_texture_basisu";
 
 fn is_supported(name: &str) -> bool {
-    SUPPORTED.contains(&name) || (cfg!(feature = "draco") && name == DRACO)
+    SUPPORTED.contains(&name)
+        || (name == DRACO && cfg!(feature = "draco"))
+        || (name == BASIS && cfg!(feature = "basis"))
 }
 
 /// Refuses a file that requires what is not supported; notes every other
 /// extension that occurs.
 pub(super) fn check(document: &Document, notices: &mut Notices) -> Result<()> {
     for name in &document.root.extensions_required {
-        if name == DRACO && !cfg!(feature = "draco") {
-            return Err(document.error(format!(
-                "the file requires {DRACO}; build with `--features draco`, or export it without"
-            )));
+        if is_supported(name) {
+            continue;
         }
-        if !is_supported(name) {
-            return Err(document.error(format!(
-                "the file requires the extension {name:?}, which is not supported; export it without"
-            )));
-        }
+        let remedy = match name.as_str() {
+            DRACO => "this needs a build with the cargo feature `draco`",
+            BASIS => "this needs a build with the cargo feature `basis`",
+            _ => "it is not supported; export the file without",
+        };
+        return Err(document.error(format!("the file requires the extension {name:?}: {remedy}")));
     }
     let mut seen = BTreeSet::new();
     visit_extensions(&document.raw, |name, place| {
@@ -59,14 +73,13 @@ pub(super) fn check(document: &Document, notices: &mut Notices) -> Result<()> {
 
 fn note(name: &str, place: &str, notices: &mut Notices) {
     match name {
-        "KHR_materials_unlit" => {
-            notices.ignored("KHR_materials_unlit: shaded as an ordinary material", place);
-        }
         "EXT_lights_image_based" => {
             let message = "EXT_lights_image_based: give the light with --environment";
             notices.ignored(message, place);
         }
         _ if is_supported(name) => notices.honoured(name, place),
+        // What becomes of the texture is noted where it is read.
+        BASIS => {}
         _ => notices.ignored(format!("extension {}", name.escape_debug()), place),
     }
 }

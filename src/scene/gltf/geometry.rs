@@ -3,11 +3,14 @@
 use super::accessor::Accessors;
 use super::deform::{self, Deformation, Skinning};
 use super::extras::{self, MeshExtras};
+use super::materials::Materials;
 use super::nodes::Placement;
 use super::normals;
 use super::notices::Notices;
 use super::skins;
+use super::tangents;
 use super::triangles::{self, Assembled};
+use super::variants::Variants;
 use crate::Result;
 use crate::scene::{AlphaMode, Material, Mesh, Treatment};
 use glam::{Vec2, Vec3, Vec4};
@@ -52,7 +55,8 @@ type ShapeKey = (usize, Vec<u64>, Option<usize>);
 pub(super) fn read(
     accessors: &Accessors,
     placements: &[Placement],
-    materials: &mut Vec<Material>,
+    variants: &Variants,
+    materials: &mut Materials,
     notices: &mut Notices,
 ) -> Result<(Shapes, Vec<Mesh>)> {
     let document = accessors.document;
@@ -60,7 +64,9 @@ pub(super) fn read(
     let mut known: BTreeMap<ShapeKey, usize> = BTreeMap::new();
     let mut reader = GeometryReader {
         accessors,
-        materials,
+        variants,
+        materials: &mut materials.materials,
+        uv_sets: &materials.uv_sets,
         default_material: None,
         deformation: Deformation::default(),
         meshes: Vec::new(),
@@ -107,7 +113,10 @@ pub(super) fn read(
 
 struct GeometryReader<'a> {
     accessors: &'a Accessors<'a>,
+    variants: &'a Variants,
     materials: &'a mut Vec<Material>,
+    /// Sets of texture coordinates that the file's materials use.
+    uv_sets: &'a [[u32; 2]],
     /// Where glTF's default material is, once a primitive needed it.
     default_material: Option<u32>,
     /// Of the placement whose shape is read.
@@ -130,8 +139,10 @@ impl GeometryReader<'_> {
                     "the sphere's radius is {radius}; it must be above 0 and finite"
                 )));
             }
-            let material = mesh.primitives.first().and_then(|primitive| primitive.material);
-            let material = self.material(material, &label)?;
+            let material = match mesh.primitives.first() {
+                Some(primitive) => self.material(primitive, &label)?,
+                None => self.default_material(),
+            };
             self.note_sphere(material, &label);
             return Ok(Shape::Sphere { radius, material });
         }
@@ -166,16 +177,22 @@ impl GeometryReader<'_> {
         }
     }
 
-    /// Index of the material, or of the default one.
-    fn material(&mut self, index: Option<Index<json::Material>>, what: &str) -> Result<u32> {
-        if let Some(index) = index {
-            self.accessors.document.get(index, what)?;
-            return Ok(index.value() as u32);
-        }
-        Ok(*self.default_material.get_or_insert_with(|| {
+    /// Index of the primitive's material in the chosen variant, or of the default one.
+    fn material(&mut self, primitive: &Primitive, what: &str) -> Result<u32> {
+        let document = self.accessors.document;
+        let of_variant = self.variants.material(document, primitive, what)?;
+        let Some(index) = of_variant.or(primitive.material) else {
+            return Ok(self.default_material());
+        };
+        document.get(index, what)?;
+        Ok(index.value() as u32)
+    }
+
+    fn default_material(&mut self) -> u32 {
+        *self.default_material.get_or_insert_with(|| {
             self.materials.push(Material::default());
             self.materials.len() as u32 - 1
-        }))
+        })
     }
 
     /// `None`, with a notice, for a primitive without triangles.
@@ -193,15 +210,18 @@ impl GeometryReader<'_> {
         let Some(triangles) = self.triangles(primitive, mode, positions.len(), what)? else {
             return Ok(None);
         };
+        let material = self.material(primitive, what)?;
+        let sets = self.uv_sets.get(material as usize).copied().unwrap_or([0, 1]);
+        let [first, second] = sets.map(|set| (set, attribute(Semantic::TexCoords(set))));
         let mut mesh = Mesh {
             normals: self.normals(attribute(Semantic::Normals), &positions, &triangles, what)?,
             tangents: self.tangents(attribute(Semantic::Tangents), what)?,
             uvs: [
-                self.uvs(attribute(Semantic::TexCoords(0)), &format!("{what}, TEXCOORD_0"))?,
-                self.uvs(attribute(Semantic::TexCoords(1)), &format!("{what}, TEXCOORD_1"))?,
+                self.uvs(first, positions.len(), what)?,
+                self.uvs(second, positions.len(), what)?,
             ],
             colors: self.colors(attribute(Semantic::Colors(0)), &format!("{what}, COLOR_0"))?,
-            material: self.material(primitive.material, what)?,
+            material,
             positions,
             triangles,
             name: String::new(),
@@ -222,6 +242,7 @@ impl GeometryReader<'_> {
         let message = "triangles without area: nothing hits them";
         self.notices.note_many(Treatment::Honoured, message, degenerate, what);
         self.note_missing_attributes(&mesh, what);
+        tangents::add(&mut mesh, &self.materials[material as usize], what, self.notices);
         Ok(Some(mesh))
     }
 
@@ -284,7 +305,8 @@ impl GeometryReader<'_> {
         let tangents = self.accessors.floats_unchecked::<4>(index, &[Type::Vec4], 0.0, &place)?;
         let mut tangents: Vec<Vec4> = tangents.into_iter().map(Vec4::from).collect();
         if !normals::normalize_tangents(&mut tangents) {
-            let message = "tangents without direction: left out";
+            let message =
+                "tangents without direction: left out, and made anew where they are needed";
             self.notices.approximated(message, what);
             tangents.clear();
         }
@@ -296,9 +318,16 @@ impl GeometryReader<'_> {
         Ok(elements.into_iter().map(Vec3::from).collect())
     }
 
-    fn uvs(&self, index: Option<Index<json::Accessor>>, what: &str) -> Result<Vec<Vec2>> {
+    fn uvs(
+        &self,
+        (set, index): (u32, Option<Index<json::Accessor>>),
+        vertex_count: usize,
+        what: &str,
+    ) -> Result<Vec<Vec2>> {
         let Some(index) = index else { return Ok(Vec::new()) };
-        let elements = self.accessors.floats::<2>(index, &[Type::Vec2], 0.0, what)?;
+        let what = format!("{what}, TEXCOORD_{set}");
+        let elements = self.accessors.floats::<2>(index, &[Type::Vec2], 0.0, &what)?;
+        self.check_length(elements.len(), vertex_count, &what)?;
         Ok(elements.into_iter().map(Vec2::from).collect())
     }
 
@@ -329,12 +358,7 @@ impl GeometryReader<'_> {
     }
 
     fn check_lengths(&self, mesh: &Mesh, what: &str) -> Result<()> {
-        let lengths = [
-            ("TANGENT", mesh.tangents.len()),
-            ("TEXCOORD_0", mesh.uvs[0].len()),
-            ("TEXCOORD_1", mesh.uvs[1].len()),
-            ("COLOR_0", mesh.colors.len()),
-        ];
+        let lengths = [("TANGENT", mesh.tangents.len()), ("COLOR_0", mesh.colors.len())];
         for (name, length) in lengths.into_iter().filter(|&(_, length)| length > 0) {
             self.check_length(length, mesh.positions.len(), &format!("{what}, {name}"))?;
         }
@@ -356,10 +380,6 @@ impl GeometryReader<'_> {
         let material = &self.materials[mesh.material as usize];
         if material.textures().any(|texture| mesh.uvs[texture.uv_set as usize].is_empty()) {
             let message = "texture on a mesh without its texture coordinates: looked up at (0, 0)";
-            self.notices.approximated(message, what);
-        }
-        if material.normal_texture.is_some() && mesh.tangents.is_empty() {
-            let message = "tangents from uv derivatives instead of MikkTSpace";
             self.notices.approximated(message, what);
         }
     }

@@ -1,213 +1,239 @@
-//! glTF materials with their extensions, and the textures that they use.
+//! glTF materials, and the textures that they use. Their extensions are in `material_extensions`.
 
 use super::buffers::Buffers;
 use super::document::Document;
 use super::images::Images;
+use super::members::Members;
 use super::notices::Notices;
-use super::textures::{Slot, TextureReader};
+use super::textures::TextureReader;
+use super::uv_sets;
 use crate::Result;
-use crate::scene::{AlphaMode, ColorSpace, Image, Material};
+use crate::scene::ColorSpace::{self, Linear, Srgb};
+use crate::scene::{AlphaMode, Image, Material, TextureRef};
 use glam::Vec3;
 use gltf::json;
-use gltf::json::extensions::material as extension;
-use gltf::json::validation::Checked;
+use serde_json::Value;
 
-/// Reads all materials, in the file's order, and the images that they use.
+/// What was read.
+pub(super) struct Materials {
+    /// In the file's order.
+    pub(super) materials: Vec<Material>,
+    /// For each, the sets of texture coordinates that its meshes hold.
+    pub(super) uv_sets: Vec<[u32; 2]>,
+    /// The images that they use.
+    pub(super) images: Vec<Image>,
+}
+
+/// Reads all materials and the images that they use; `max_texture_size` as in
+/// [`LoadOptions`](super::LoadOptions).
 pub(super) fn read(
     document: &Document,
     buffers: &Buffers,
+    max_texture_size: Option<u32>,
     notices: &mut Notices,
-) -> Result<(Vec<Material>, Vec<Image>)> {
+) -> Result<Materials> {
     let mut images = Images::default();
-    let mut materials = Vec::new();
-    for (index, source) in document.root.materials.iter().enumerate() {
+    let (mut materials, mut sets) = (Vec::new(), Vec::new());
+    let sources = document.raw.get("materials").and_then(Value::as_array);
+    for (index, source) in sources.into_iter().flatten().enumerate() {
         let index = json::Index::new(index as u32);
         let place = document.label::<json::Material>(index);
+        let source = Members::of("the material", source)
+            .map_err(|message| document.error(format!("{place}: {message}")))?;
         let textures =
             TextureReader { document, buffers, images: &mut images, notices, place: &place };
         let mut reader = MaterialReader { textures };
-        let mut material = reader.core(source)?;
+        let mut material = reader.material(source)?;
+        sets.push(reader.assign_uv_sets(&mut material));
         material.name = document.name::<json::Material>(index);
-        if let Some(extensions) = &source.extensions {
-            reader.extensions(extensions, &mut material)?;
-        }
         materials.push(material);
     }
-    Ok((materials, images.into_images()))
+    let images = images.decode(document, max_texture_size, notices)?;
+    Ok(Materials { materials, uv_sets: sets, images })
 }
 
 /// Reads one material.
-struct MaterialReader<'a> {
-    textures: TextureReader<'a>,
+pub(super) struct MaterialReader<'a, 'b> {
+    textures: TextureReader<'a, 'b>,
 }
 
-impl MaterialReader<'_> {
+impl MaterialReader<'_, '_> {
+    fn material(&mut self, source: Members) -> Result<Material> {
+        let extensions = self.checked(source.object("extensions"))?;
+        if self.checked(extensions.optional("KHR_materials_unlit"))?.is_some() {
+            return self.unlit(source, extensions);
+        }
+        let mut material = self.core(source)?;
+        self.extensions(extensions, &mut material)?;
+        Ok(material)
+    }
+
     /// What glTF 2.0 itself defines.
-    fn core(&mut self, source: &json::Material) -> Result<Material> {
-        use ColorSpace::{Linear, Srgb};
-        let pbr = &source.pbr_metallic_roughness;
-        let [red, green, blue, alpha] = pbr.base_color_factor.0;
-        let Checked::Valid(alpha_mode) = source.alpha_mode else {
-            let place = self.textures.place;
-            return Err(self.textures.document.error(format!("{place}: unknown alphaMode")));
-        };
-        let cutoff = source.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
-        if source.occlusion_texture.is_some() {
+    fn core(&mut self, source: Members) -> Result<Material> {
+        let pbr = self.checked(source.object("pbrMetallicRoughness"))?;
+        if source.has("occlusionTexture") {
             self.ignored("occlusionTexture: path tracing computes occlusion itself");
         }
+        let (normal_texture, normal_scale) = self.normals(source, "normalTexture")?;
         Ok(Material {
-            base_color: self.unit_vec3([red, green, blue], "baseColorFactor"),
-            base_color_texture: self.texture(pbr.base_color_texture.as_ref(), Srgb)?,
-            metallic: self.unit(pbr.metallic_factor.0, "metallicFactor"),
-            roughness: self.unit(pbr.roughness_factor.0, "roughnessFactor"),
-            metallic_roughness_texture: self
-                .texture(pbr.metallic_roughness_texture.as_ref(), Linear)?,
-            normal_texture: match &source.normal_texture {
-                Some(texture) => {
-                    let place = self.textures.place;
-                    let slot = Slot::from_normal(texture).map_err(|message| {
-                        self.textures.document.error(format!("{place}: {message}"))
-                    })?;
-                    self.textures.read(slot, Linear)?
-                }
-                None => None,
-            },
-            normal_scale: match &source.normal_texture {
-                Some(texture) => self.finite(texture.scale, "normalTexture.scale")?,
-                None => 1.0,
-            },
+            metallic: self.unit(pbr, "metallicFactor", 1.0)?,
+            roughness: self.unit(pbr, "roughnessFactor", 1.0)?,
+            metallic_roughness_texture: self.texture(pbr, "metallicRoughnessTexture", Linear)?,
+            normal_texture,
+            normal_scale,
             emission: self.emission(source)?,
-            emission_texture: self.texture(source.emissive_texture.as_ref(), Srgb)?,
-            alpha_mode: match alpha_mode {
-                json::material::AlphaMode::Opaque => AlphaMode::Opaque,
-                json::material::AlphaMode::Mask => {
-                    AlphaMode::Mask(self.non_negative(cutoff, "alphaCutoff")?)
-                }
-                json::material::AlphaMode::Blend => AlphaMode::Blend,
-            },
-            alpha: self.unit(alpha, "baseColorFactor alpha"),
-            double_sided: source.double_sided,
+            emission_texture: self.texture(source, "emissiveTexture", Srgb)?,
+            ..self.base(source, pbr)?
+        })
+    }
+
+    /// Base colour and coverage: what an unlit material has as well.
+    fn base(&mut self, source: Members, pbr: Members) -> Result<Material> {
+        let [red, green, blue, alpha] = self.checked(pbr.numbers("baseColorFactor", [1.0; 4]))?;
+        Ok(Material {
+            base_color: self.clamped_unit([red, green, blue], "baseColorFactor").into(),
+            base_color_texture: self.texture(pbr, "baseColorTexture", Srgb)?,
+            alpha_mode: self.alpha_mode(source)?,
+            alpha: self.clamped_unit([alpha], "baseColorFactor alpha")[0],
+            double_sided: self.checked(source.flag("doubleSided"))?,
             ..Material::default()
         })
     }
 
+    fn alpha_mode(&mut self, source: Members) -> Result<AlphaMode> {
+        match self.checked(source.text("alphaMode"))? {
+            None | Some("OPAQUE") => Ok(AlphaMode::Opaque),
+            Some("MASK") => Ok(AlphaMode::Mask(self.non_negative(source, "alphaCutoff", 0.5)?)),
+            Some("BLEND") => Ok(AlphaMode::Blend),
+            Some(_) => Err(self.error("unknown alphaMode")),
+        }
+    }
+
+    /// KHR_materials_unlit: the base colour alone. It wins over all that scatters.
+    fn unlit(&mut self, source: Members, extensions: Members) -> Result<Material> {
+        for name in extensions.keys().filter(|&name| name != "KHR_materials_unlit") {
+            if name.starts_with("KHR_materials_") {
+                self.ignored(&format!("{name} of an unlit material"));
+            }
+        }
+        let pbr = self.checked(source.object("pbrMetallicRoughness"))?;
+        Ok(Material { unlit: true, ..self.base(source, pbr)? })
+    }
+
     /// emissiveFactor × emissiveStrength.
-    fn emission(&mut self, source: &json::Material) -> Result<Vec3> {
-        let factor = source.emissive_factor.0;
-        if factor.iter().any(|&c| c > 1.0) {
+    fn emission(&mut self, source: Members) -> Result<Vec3> {
+        let factor = self.non_negative_color(source, "emissiveFactor", Vec3::ZERO)?;
+        if factor.max_element() > 1.0 {
             self.approximated("emissiveFactor above 1 is taken as it is");
         }
-        let strength = source.extensions.as_ref().and_then(|e| e.emissive_strength.as_ref());
-        let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
-        let strength = self.non_negative(strength, "emissiveStrength")?;
-        let mut emission = Vec3::ZERO;
-        for (channel, factor) in emission.as_mut().iter_mut().zip(factor) {
-            let factor = self.non_negative(factor, "emissiveFactor")?;
-            *channel = self.finite(factor * strength, "emissiveFactor × emissiveStrength")?;
+        let extensions = self.checked(source.object("extensions"))?;
+        let strength = self.checked(extensions.object("KHR_materials_emissive_strength"))?;
+        let emission = factor * self.non_negative(strength, "emissiveStrength", 1.0)?;
+        match emission.is_finite() {
+            true => Ok(emission),
+            false => Err(self.error("emissiveFactor × emissiveStrength is too large a number")),
         }
-        Ok(emission)
     }
 
-    /// The ratified extensions that are rendered.
-    fn extensions(
+    /// Sorts the sets of texture coordinates in use into the two that a vertex has.
+    fn assign_uv_sets(&mut self, material: &mut Material) -> [u32; 2] {
+        let (sets, left_out) = uv_sets::assign(material);
+        if left_out {
+            let message = "textures with a third set of texture coordinates: left out, \
+                 a material can use two";
+            self.ignored(message);
+        }
+        sets
+    }
+
+    /// A normal texture and its scale.
+    pub(super) fn normals(
         &mut self,
-        extensions: &extension::Material,
-        material: &mut Material,
-    ) -> Result<()> {
-        if let Some(ior) = &extensions.ior {
-            material.ior = self.ior(ior.ior.0)?;
-        }
-        if let Some(specular) = &extensions.specular {
-            material.specular = self.unit(specular.specular_factor.0, "specularFactor");
-            for (channel, factor) in
-                material.specular_color.as_mut().iter_mut().zip(specular.specular_color_factor.0)
-            {
-                *channel = self.non_negative(factor, "specularColorFactor")?;
-            }
-            if specular.specular_texture.is_some() || specular.specular_color_texture.is_some() {
-                self.approximated("KHR_materials_specular by its factors, without its textures");
-            }
-        }
-        if let Some(transmission) = &extensions.transmission {
-            material.transmission =
-                self.unit(transmission.transmission_factor.0, "transmissionFactor");
-            if transmission.transmission_texture.is_some() {
-                self.approximated("KHR_materials_transmission by its factor, without its texture");
-            }
-            if material.transmission > 0.0 && material.roughness > 0.0 {
-                self.approximated("rough transmission rendered as smooth");
-            }
-        }
-        if let Some(volume) = &extensions.volume {
-            let thickness = self.non_negative(volume.thickness_factor.0, "thicknessFactor")?;
-            material.volume = thickness > 0.0;
-            if material.volume && volume.thickness_texture.is_some() {
-                self.ignored("thicknessTexture: paths measure thickness themselves");
-            }
-            if material.volume
-                && volume.attenuation_distance.0.is_finite()
-                && volume.attenuation_color.0 != [1.0; 3]
-            {
-                self.ignored("attenuation of KHR_materials_volume: volumes are clear");
-            }
-        }
-        Ok(())
+        from: Members,
+        key: &str,
+    ) -> Result<(Option<TextureRef>, f32)> {
+        let Some(slot) = self.checked(from.slot(key))? else { return Ok((None, 1.0)) };
+        let scale = match slot.scale() {
+            Ok(scale) => scale,
+            Err(message) => return Err(self.error(&format!("{key}.scale: {message}"))),
+        };
+        Ok((self.textures.read(slot, Linear)?, scale))
     }
 
-    /// An index of refraction. The extension gives 0 a meaning of its own.
-    fn ior(&mut self, ior: f32) -> Result<f32> {
-        let ior = self.finite(ior, "ior")?;
-        if ior == 0.0 {
-            self.approximated("ior 0 (reflects everything) rendered as 1.5");
-            return Ok(Material::default().ior);
-        }
-        if ior < 1.0 {
-            self.approximated("ior below 1 clamped to 1");
-        }
-        Ok(ior.max(1.0))
-    }
-
-    fn texture(
+    /// The texture of a slot.
+    pub(super) fn texture(
         &mut self,
-        info: Option<&json::texture::Info>,
+        from: Members,
+        key: &str,
         color_space: ColorSpace,
-    ) -> Result<Option<crate::scene::TextureRef>> {
-        info.map_or(Ok(None), |info| self.textures.read(Slot::from_info(info), color_space))
+    ) -> Result<Option<TextureRef>> {
+        match self.checked(from.slot(key))? {
+            Some(slot) => self.textures.read(slot, color_space),
+            None => Ok(None),
+        }
     }
 
-    fn unit(&mut self, value: f32, what: &str) -> f32 {
-        let clamped = value.clamp(0.0, 1.0);
-        if clamped != value {
+    /// A number brought into [0, 1].
+    pub(super) fn unit(&mut self, from: Members, key: &str, default: f32) -> Result<f32> {
+        let value = self.checked(from.number(key, default))?;
+        Ok(self.clamped_unit([value], key)[0])
+    }
+
+    /// A colour brought into [0, 1].
+    pub(super) fn unit_color(&mut self, from: Members, key: &str, default: Vec3) -> Result<Vec3> {
+        let values = self.checked(from.numbers(key, default.into()))?;
+        Ok(self.clamped_unit(values, key).into())
+    }
+
+    /// A number brought to 0 if it is below.
+    pub(super) fn non_negative(&mut self, from: Members, key: &str, default: f32) -> Result<f32> {
+        let value = self.checked(from.number(key, default))?;
+        if value < 0.0 {
+            self.approximated(&format!("negative {key} clamped to 0"));
+        }
+        Ok(value.max(0.0))
+    }
+
+    /// A colour whose components are brought to 0 where they are below.
+    pub(super) fn non_negative_color(
+        &mut self,
+        from: Members,
+        key: &str,
+        default: Vec3,
+    ) -> Result<Vec3> {
+        let color = Vec3::from(self.checked(from.numbers(key, default.into()))?);
+        if color.min_element() < 0.0 {
+            self.approximated(&format!("negative {key} clamped to 0"));
+        }
+        Ok(color.max(Vec3::ZERO))
+    }
+
+    pub(super) fn clamped_unit<const N: usize>(
+        &mut self,
+        values: [f32; N],
+        what: &str,
+    ) -> [f32; N] {
+        let clamped = values.map(|value| value.clamp(0.0, 1.0));
+        if clamped != values {
             self.approximated(&format!("{what} outside [0, 1] clamped"));
         }
         clamped
     }
 
-    fn unit_vec3(&mut self, values: [f32; 3], what: &str) -> Vec3 {
-        Vec3::from(values.map(|value| self.unit(value, what)))
+    /// A value, or an error that names the material.
+    pub(super) fn checked<T>(&self, value: std::result::Result<T, String>) -> Result<T> {
+        value.map_err(|message| self.error(&message))
     }
 
-    fn non_negative(&mut self, value: f32, what: &str) -> Result<f32> {
-        if value < 0.0 {
-            self.approximated(&format!("negative {what} clamped to 0"));
-        }
-        Ok(self.finite(value, what)?.max(0.0))
+    fn error(&self, message: &str) -> crate::Error {
+        self.textures.document.error(format!("{}: {message}", self.textures.place))
     }
 
-    /// A JSON number may be too large for f32.
-    fn finite(&mut self, value: f32, what: &str) -> Result<f32> {
-        let TextureReader { document, place, .. } = &self.textures;
-        match value.is_finite() {
-            true => Ok(value),
-            false => Err(document.error(format!("{place}: {what} is too large a number"))),
-        }
-    }
-
-    fn approximated(&mut self, message: &str) {
+    pub(super) fn approximated(&mut self, message: &str) {
         self.textures.notices.approximated(message, self.textures.place);
     }
 
-    fn ignored(&mut self, message: &str) {
+    pub(super) fn ignored(&mut self, message: &str) {
         self.textures.notices.ignored(message, self.textures.place);
     }
 }

@@ -21,18 +21,25 @@ mod images;
 mod instances;
 mod instancing;
 mod keyframes;
+mod ktx2_images;
 mod lights;
 mod limits;
+mod material_extensions;
 mod materials;
+mod members;
 mod meshopt;
 mod motion;
 mod nodes;
 mod normals;
 mod notices;
+mod resize;
 mod skins;
+mod tangents;
 mod textures;
 mod triangles;
 mod uri;
+mod uv_sets;
+mod variants;
 
 use super::{Notice, Scene, Treatment};
 use crate::{Error, Result};
@@ -44,6 +51,7 @@ use limits::Budget;
 use notices::Notices;
 use std::path::{Path, PathBuf};
 use uri::Reach;
+use variants::Variants;
 
 /// How to treat what cannot be rendered as the file says.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -57,6 +65,10 @@ pub struct LoadOptions {
     pub frame_time: Option<f64>,
     /// Name or index of the animation, or `all`; the first by default.
     pub animation: Option<String>,
+    /// KHR_materials_variants: the variant whose materials are used; without one the default.
+    pub variant: Option<String>,
+    /// Bring images down whose sides are longer than this, in texels; at least 1.
+    pub max_texture_size: Option<u32>,
 }
 
 /// Loads a `.gltf` or `.glb` file with default options.
@@ -123,8 +135,11 @@ fn load_within(
     let accessors = &Accessors { document, buffers };
     let (animations, pose) = motion::read(accessors, options, &mut notices)?;
     let placements = &nodes::walk(document, scene, &pose, &mut notices)?;
-    let (mut materials, images) = materials::read(document, buffers, &mut notices)?;
-    let (shapes, meshes) = geometry::read(accessors, placements, &mut materials, &mut notices)?;
+    let variants = Variants::read(document, options.variant.as_deref())?;
+    let max_texture_size = options.max_texture_size;
+    let mut materials = materials::read(document, buffers, max_texture_size, &mut notices)?;
+    let (shapes, meshes) =
+        geometry::read(accessors, placements, &variants, &mut materials, &mut notices)?;
     let placed = instances::place(accessors, placements, &shapes, &meshes, &mut notices)?;
     let bounds = placed.bounds.ok_or_else(|| {
         document.error("nothing to render: its scene has no triangles and no spheres")
@@ -136,8 +151,9 @@ fn load_within(
         meshes,
         instances: placed.instances,
         spheres: placed.spheres,
-        materials,
-        images,
+        materials: materials.materials,
+        images: materials.images,
+        variants: variants.names,
         lights: lights::read(document, placements, &mut notices)?,
         environment: environment::read(document, scene, &mut notices)?,
         cameras: cameras::read(document, placements, bounds, &mut notices)?,
