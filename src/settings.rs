@@ -40,6 +40,8 @@ pub struct RenderSettings {
     pub block_size: u32,
     /// Acceleration structure.
     pub accel: Accel,
+    /// Gives back what single scattering on rough surfaces loses (Turquin 2019).
+    pub energy_compensation: bool,
     /// Compile every feature whether or not the scene needs it.
     pub all_features: bool,
 }
@@ -108,6 +110,7 @@ impl Default for RenderSettings {
             camera: 0,
             block_size: 16,
             accel: Accel::Bvh,
+            energy_compensation: false,
             all_features: false,
         }
     }

@@ -63,6 +63,7 @@ impl Job {
             camera,
             block_size: flags.sampling.block.unwrap_or(default_block_size(requested_spp)),
             accel: flags.sampling.accel,
+            energy_compensation: false,
             all_features: flags.sampling.features.as_deref() == Some("all"),
         };
         check_pixel(flags, &settings)?;

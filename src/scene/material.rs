@@ -228,6 +228,8 @@ impl Material {
 
     /// Whether it is the boundary of a volume that light enters.
     pub fn is_boundary(&self) -> bool {
-        self.volume && !self.unlit && (self.transmission > 0.0 || self.diffuse_transmission.is_some())
+        self.volume
+            && !self.unlit
+            && (self.transmission > 0.0 || self.diffuse_transmission.is_some())
     }
 }

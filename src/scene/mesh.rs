@@ -44,9 +44,8 @@ impl Mesh {
         for &[a, b, c] in &self.triangles {
             for (from, to) in [(a, b), (b, c), (c, a)] {
                 let (from, to) = (hashes[from as usize], hashes[to as usize]);
-                difference = difference
-                    .wrapping_add(edge_hash(from, to))
-                    .wrapping_sub(edge_hash(to, from));
+                difference =
+                    difference.wrapping_add(edge_hash(from, to)).wrapping_sub(edge_hash(to, from));
             }
         }
         difference == 0

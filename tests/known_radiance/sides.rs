@@ -56,7 +56,8 @@ fn solids_are_not_culled() {
     let corners: Vec<Vec3> = (0..8)
         .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0)
         .collect();
-    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let sides =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let cube = Mesh {
         positions: corners,
         triangles: sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
@@ -91,10 +92,8 @@ fn unlit(color: Vec3) -> Material {
 fn unlit_surfaces_show_their_color_on_both_sides() {
     for normal in [Vec3::Y, Vec3::NEG_Y] {
         let mut stage = Stage::orthographic(normal * 2.0, Vec3::ZERO, 0.1);
-        let quad = Mesh {
-            colors: vec![Vec4::splat(0.5); 4],
-            ..quad_mesh(Vec3::ZERO, Vec3::Z, Vec3::X)
-        };
+        let quad =
+            Mesh { colors: vec![Vec4::splat(0.5); 4], ..quad_mesh(Vec3::ZERO, Vec3::Z, Vec3::X) };
         let mesh = stage.mesh(quad, unlit(Vec3::splat(0.25)));
         stage.place(mesh, Affine3A::IDENTITY);
         stage.sky(3.0);
@@ -120,5 +119,10 @@ fn unlit_surfaces_are_lights() {
     // from its corner, a/sqrt(1+a²) atan(a/sqrt(1+a²)) / π · 2/2.
     let s = f64::from(half) / (1.0 + f64::from(half).powi(2)).sqrt();
     let truth = 0.125 * 4.0 * s * s.atan() / PI;
-    assert_truth("lit by an unlit ceiling", Estimate::of_pixels(&render(&stage.scene, &settings)), truth, 0.01);
+    assert_truth(
+        "lit by an unlit ceiling",
+        Estimate::of_pixels(&render(&stage.scene, &settings)),
+        truth,
+        0.01,
+    );
 }

@@ -7,4 +7,5 @@ mod agreement;
 mod closed_forms;
 mod everything;
 mod forms;
+mod media;
 mod renderer;
