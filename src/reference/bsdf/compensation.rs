@@ -27,5 +27,5 @@ pub(super) fn albedo(cos_o: f64, alpha: f64) -> f64 {
         let wi = half * (2.0 * half.dot(wo)) - wo;
         if wi.z <= 0.0 { 0.0 } else { (1.0 + lambda_o) / (1.0 + lambda_o + ggx.lambda(wi)) }
     };
-    integrate_rectangle(&share, (0.0, 1.0), (0.0, 1.0), 1e-6, 1e-6)
+    integrate_rectangle(&share, (0.0, 1.0), (0.0, 1.0), 1e-5, 1e-6)
 }

@@ -76,3 +76,20 @@ fn films_interfere_as_airy_says() {
     println!("dark {dark:.4} for {least:.4}, bright {bright:.4} for {f0:.4}");
     assert!((dark - least).abs() < 2e-3 && (bright - f0).abs() < 4e-3);
 }
+
+/// Aslant the two beams differ by 2 n d times the cosine within the film: the thickness at which
+/// they first cancel is larger than at normal incidence by that.
+#[test]
+fn films_cancel_by_the_angle_within() {
+    let (film, f0) = (1.33, fresnel::at_normal(1.5));
+    let darkest = |cos: f64| {
+        let green = |d: u32| reflectance(film, f64::from(d), cos, f0).y;
+        let least = (60..200).min_by(|&a, &b| green(a).total_cmp(&green(b)));
+        f64::from(least.unwrap())
+    };
+    let cos = 0.6_f64;
+    let within = (1.0 - (1.0 - cos * cos) / (film * film)).sqrt();
+    let ratio = darkest(cos) / darkest(1.0);
+    println!("{ratio} for {}", 1.0 / within);
+    assert!((ratio * within - 1.0).abs() < 0.03, "{ratio}");
+}
