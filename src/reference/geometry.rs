@@ -64,6 +64,8 @@ struct Ball {
 pub(super) struct Geometry {
     triangles: Vec<Triangle>,
     balls: Vec<Ball>,
+    /// For each mesh, whether camera rays pass through its back.
+    culled_meshes: Vec<bool>,
     /// `None`: every ray tests every primitive.
     tree: Option<Tree>,
 }
@@ -77,13 +79,22 @@ impl Geometry {
             .spheres
             .iter()
             .map(|s| Ball { center: s.center.as_dvec3(), radius: s.radius.into() });
-        let mut geometry =
-            Self { triangles: triangles.collect(), balls: balls.collect(), tree: None };
+        let mut geometry = Self {
+            triangles: triangles.collect(),
+            balls: balls.collect(),
+            culled_meshes: scene.culled_meshes(),
+            tree: None,
+        };
         if with_tree {
             let bounds: Vec<_> = (0..geometry.count()).map(|i| geometry.bounds(i)).collect();
             geometry.tree = Some(Tree::new(&bounds));
         }
         geometry
+    }
+
+    /// Whether camera rays pass through the back of a mesh.
+    pub(super) fn is_culled(&self, mesh: u32) -> bool {
+        self.culled_meshes[mesh as usize]
     }
 
     /// Number of primitives.

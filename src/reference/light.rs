@@ -130,6 +130,9 @@ fn triangle_area(geometry: &Geometry, primitive: usize) -> f64 {
 
 /// Emitted radiance of both sides together, without texture.
 fn brightness(material: &Material) -> f64 {
+    if material.unlit {
+        return 2.0 * f64::from(material.base_color.element_sum());
+    }
     let sides = if material.double_sided { 2.0 } else { 1.0 };
     sides * f64::from(material.emission.element_sum())
 }

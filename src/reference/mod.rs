@@ -7,8 +7,8 @@
 //! is clamped, and no path ends by chance.
 //!
 //! ```text
-//!  scene ─► geometry, tree ─► surface ─► bsdf ─► path ─► film
-//!                 light, environment ─────────────┘
+//!  scene ─► geometry, tree ─► surface ─► shading ─► bsdf ─► path ─► film
+//!         light, environment ─► shadow, media ─────────────┘
 //! ```
 
 mod bsdf;
@@ -16,8 +16,11 @@ mod camera;
 mod environment;
 mod geometry;
 mod light;
+mod media;
 mod path;
 mod random;
+mod shading;
+mod shadow;
 mod surface;
 mod texture;
 mod tree;

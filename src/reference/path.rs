@@ -3,7 +3,10 @@
 use super::bsdf::Bsdf;
 use super::geometry::{Hit, Ray};
 use super::light::incident;
+use super::media::{Media, index};
 use super::random::Random;
+use super::shading::Shading;
+use super::shadow::Start;
 use super::surface::Surface;
 use super::{Reference, Tally};
 use glam::DVec3;
@@ -18,13 +21,17 @@ const LEAST_THROUGHPUT: f64 = 1e-9;
 
 /// One camera path under way.
 pub(super) struct Path<'a> {
-    reference: &'a Reference<'a>,
+    pub(super) reference: &'a Reference<'a>,
     random: Random,
-    tally: Tally,
+    pub(super) tally: Tally,
     radiance: DVec3,
     throughput: DVec3,
     /// Scattering events so far.
     bounces: u32,
+    /// What the path is in.
+    media: Media,
+    /// The only channel of the throughput that is not 0, once indices differ between them.
+    channel: Option<usize>,
 }
 
 /// Where light was scattered last: needed to weigh lights that are then hit by chance.
@@ -43,6 +50,8 @@ impl<'a> Path<'a> {
             radiance: DVec3::ZERO,
             throughput: DVec3::ONE,
             bounces: 0,
+            media: Media::default(),
+            channel: None,
         }
     }
 
@@ -59,11 +68,18 @@ impl<'a> Path<'a> {
                 self.tally.cut_off += 1;
                 return (self.radiance, self.tally);
             }
+            if surface.material.unlit {
+                return (self.radiance, self.tally);
+            }
+            self.choose_channel(&surface);
             let wo = -ray.direction;
             let normals = surface.facing_normals(wo);
-            let bsdf = Bsdf::new(&surface.shading(), wo, normals, surface.is_front);
+            let beyond = self.media_beyond(&surface);
+            let shading = self.shading(&surface, wo, &beyond);
+            let compensate = self.reference.settings.energy_compensation;
+            let bsdf = Bsdf::new(&shading, wo, normals, compensate);
             if bsdf.is_continuous() && self.is_wanted(self.bounces + 1) {
-                self.add_light_samples(&surface, hit.primitive, &bsdf);
+                self.add_light_samples(&surface, hit.primitive, &bsdf, &beyond);
             }
             let Some(scattered) = bsdf.sample(&mut self.random) else {
                 return (self.radiance, self.tally);
@@ -73,6 +89,9 @@ impl<'a> Path<'a> {
             if self.throughput.max_element() < LEAST_THROUGHPUT {
                 return (self.radiance, self.tally);
             }
+            if scattered.is_through {
+                self.media = beyond;
+            }
             vertex = Vertex { position: surface.position, pdf: scattered.pdf };
             ray = Ray { origin: surface.position, direction: scattered.wi };
             left = Some(hit.primitive);
@@ -81,28 +100,81 @@ impl<'a> Path<'a> {
         (self.radiance, self.tally)
     }
 
+    /// From the first surface on whose refraction disperses light, a path follows one channel
+    /// for all three.
+    fn choose_channel(&mut self, surface: &Surface) {
+        let m = surface.material;
+        let disperses = m.dispersion > 0.0 && m.volume && m.transmission > 0.0;
+        if disperses && self.channel.is_none() {
+            let channel = (3.0 * self.random.uniform()) as usize;
+            self.throughput *= 3.0 * DVec3::AXES[channel];
+            self.channel = Some(channel);
+        }
+    }
+
+    /// What the path is in once it has gone through the surface.
+    fn media_beyond(&self, surface: &Surface) -> Media {
+        let material = surface.material_index;
+        match (surface.material.is_boundary(), surface.is_front) {
+            (false, _) => self.media.clone(),
+            (true, true) => self.media.entered(material),
+            (true, false) => self.media.left(material),
+        }
+    }
+
+    /// The material with its indices for the path's channel.
+    fn shading(&self, surface: &Surface, wo: DVec3, beyond: &Media) -> Shading {
+        let materials = &self.reference.scene.materials;
+        let within = |media: &Media| {
+            media.innermost().map_or(1.0, |m| index(&materials[m as usize], self.channel))
+        };
+        let shading = surface.shading(wo);
+        if !shading.is_volume {
+            return shading;
+        }
+        let ior = index(surface.material, self.channel);
+        Shading { ior, passage_index: within(beyond) / within(&self.media), ..shading }
+    }
+
     /// Whether light that was scattered so often is part of the picture.
     fn is_wanted(&self, bounces: u32) -> bool {
         self.reference.settings.only_bounce.is_none_or(|only| only == bounces)
     }
 
     /// The next surface that is there; the ray begins anew behind every other. `left`: the
-    /// primitive on which it begins.
+    /// primitive on which it begins. What is on the way takes its share of the throughput.
     fn next_surface(
         &mut self,
         ray: &mut Ray,
         left: &mut Option<usize>,
     ) -> Option<(Hit, Surface<'a>)> {
+        let mut distance = 0.0;
         loop {
             self.tally.closest_rays += 1;
-            let (hit, surface) = self.reference.surface(ray, *left)?;
-            let presence = surface.presence();
+            let Some((hit, surface)) = self.reference.surface(ray, *left) else {
+                self.attenuate(f64::INFINITY);
+                return None;
+            };
+            distance += hit.t;
+            let is_hidden = self.bounces == 0 && surface.is_hidden_from_camera();
+            let presence = if is_hidden { 0.0 } else { surface.presence() };
             if presence >= 1.0 || self.random.uniform() < presence {
+                let material = surface.material_index;
+                // The path was in it all the time: its camera is.
+                let is_back = surface.material.is_boundary() && !surface.is_front;
+                if is_back && !self.media.contains(material) {
+                    self.media = self.media.entered(material);
+                }
+                self.attenuate(distance);
                 return Some((hit, surface));
             }
             ray.origin = surface.position;
             *left = Some(hit.primitive);
         }
+    }
+
+    fn attenuate(&mut self, distance: f64) {
+        self.throughput *= self.media.transmittance(&self.reference.scene.materials, distance);
     }
 
     /// Light of an emitter that the path has hit.
@@ -130,83 +202,41 @@ impl<'a> Path<'a> {
     }
 
     /// One sample of the emitters, one of the sky, and every punctual light.
-    fn add_light_samples(&mut self, surface: &Surface, left: usize, bsdf: &Bsdf) {
+    fn add_light_samples(&mut self, surface: &Surface, left: usize, bsdf: &Bsdf, beyond: &Media) {
         let Reference { scene, geometry, emitters, sky, .. } = self.reference;
         let origin = surface.position;
+        let media = self.media.clone();
+        let start = |wi: DVec3| {
+            let media = if bsdf.is_through(wi) { beyond } else { &media };
+            Start { ray: Ray { origin, direction: wi }, left, media }
+        };
         let mut gathered = DVec3::ZERO;
         if let Some((primitive, wi, pdf)) =
             emitters.sample(scene, geometry, origin, &mut self.random)
         {
             let value = bsdf.eval(wi);
             if value != DVec3::ZERO {
-                let ray = Ray { origin, direction: wi };
                 let weight = power_heuristic(pdf, bsdf.pdf(wi)) / pdf;
-                gathered += value * self.emitted_along(ray, left, primitive) * weight;
+                gathered += value * self.emitted_along(&start(wi), primitive) * weight;
             }
         }
         if let Some((wi, pdf)) = sky.as_ref().and_then(|sky| sky.sample(&mut self.random)) {
             let value = bsdf.eval(wi);
             if value != DVec3::ZERO {
-                let ray = Ray { origin, direction: wi };
                 let weight = power_heuristic(pdf, bsdf.pdf(wi)) / pdf;
-                let open = self.transmittance(ray, left, f64::INFINITY);
+                let open = self.transmittance(&start(wi), f64::INFINITY);
                 let radiance = sky.as_ref().map_or(DVec3::ZERO, |sky| sky.radiance(wi));
-                gathered += value * radiance * (open * weight);
+                gathered += value * radiance * open * weight;
             }
         }
         for incident in scene.lights.iter().filter_map(|light| incident(light, origin)) {
             let value = bsdf.eval(incident.wi);
             if value != DVec3::ZERO {
-                let ray = Ray { origin, direction: incident.wi };
-                let open = self.transmittance(ray, left, incident.distance);
+                let open = self.transmittance(&start(incident.wi), incident.distance);
                 gathered += value * incident.irradiance * open;
             }
         }
         self.radiance += self.throughput * gathered;
-    }
-
-    /// Radiance that the emitter `target` sends against the ray, on average over what is there
-    /// by chance before it.
-    fn emitted_along(&mut self, ray: Ray, left: usize, target: usize) -> DVec3 {
-        let mut radiance = DVec3::ZERO;
-        self.cross(ray, left, f64::INFINITY, |hit, surface, open| {
-            if hit.primitive == target {
-                radiance += surface.emitted() * (surface.presence() * open);
-            }
-        });
-        radiance
-    }
-
-    /// Probability that nothing is in the way before `distance`.
-    fn transmittance(&mut self, ray: Ray, left: usize, distance: f64) -> f64 {
-        self.cross(ray, left, distance, |_, _, _| {})
-    }
-
-    /// Follows a ray until nothing passes or `distance` is reached, and calls `meet` with every
-    /// surface and the probability that nothing is before it. Returns that of the whole way.
-    fn cross(
-        &mut self,
-        mut ray: Ray,
-        left: usize,
-        mut distance: f64,
-        mut meet: impl FnMut(&Hit, &Surface, f64),
-    ) -> f64 {
-        self.tally.shadow_rays += 1;
-        let (mut left, mut open) = (left, 1.0);
-        while let Some((hit, surface)) = self.reference.surface(&ray, Some(left)) {
-            if hit.t >= distance {
-                break;
-            }
-            meet(&hit, &surface, open);
-            open *= 1.0 - surface.presence();
-            if open == 0.0 {
-                break;
-            }
-            distance -= hit.t;
-            ray.origin = surface.position;
-            left = hit.primitive;
-        }
-        open
     }
 }
 

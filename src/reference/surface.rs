@@ -1,8 +1,8 @@
-//! What is at a hit: place, normals, and the material with its textures.
+//! What is at a hit: place, normals, alpha and emission.
 
 use super::geometry::{Geometry, Hit, Primitive, Ray, linear_part};
 use super::texture::lookup;
-use crate::scene::{AlphaMode, Instance, Material, Mesh, Scene};
+use crate::scene::{AlphaMode, Instance, Material, Mesh, Scene, TextureRef};
 use glam::{DVec2, DVec3, DVec4};
 
 /// The least cosine between the shading normal and the direction of view.
@@ -12,7 +12,11 @@ const LEAST_COSINE: f64 = 1e-4;
 #[derive(Debug)]
 pub(super) struct Surface<'a> {
     scene: &'a Scene,
-    material: &'a Material,
+    pub(super) material: &'a Material,
+    /// Index of the material in the scene.
+    pub(super) material_index: u32,
+    /// Whether camera rays pass through the back.
+    is_culled: bool,
     /// Two sets of texture coordinates.
     uvs: [DVec2; 2],
     /// Of the vertices.
@@ -25,20 +29,7 @@ pub(super) struct Surface<'a> {
     /// Unit shading normal of the front, before the normal map.
     pub(super) front_ns: DVec3,
     /// Unit tangent and bitangent that the normal map refers to.
-    tangents: Option<[DVec3; 2]>,
-}
-
-/// A material's numbers at a point. Factors and textures are multiplied.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Shading {
-    pub(super) base: DVec3,
-    pub(super) metallic: f64,
-    pub(super) roughness: f64,
-    pub(super) ior: f64,
-    pub(super) specular: f64,
-    pub(super) specular_color: DVec3,
-    pub(super) transmission: f64,
-    pub(super) is_volume: bool,
+    pub(super) tangents: Option<[DVec3; 2]>,
 }
 
 impl<'a> Surface<'a> {
@@ -52,6 +43,8 @@ impl<'a> Surface<'a> {
                 Self {
                     scene,
                     material: &scene.materials[sphere.material as usize],
+                    material_index: sphere.material,
+                    is_culled: false,
                     uvs: [DVec2::ZERO; 2],
                     color: DVec4::ONE,
                     position,
@@ -72,19 +65,28 @@ impl<'a> Surface<'a> {
                     weights: hit.barycentrics,
                 };
                 let (front_ng, front_ns) = face.normals();
+                let material = &scene.materials[mesh.material as usize];
+                let map_uvs = material.normal_texture.map_or(0, |map| map.uv_set);
                 Self {
                     scene,
-                    material: &scene.materials[mesh.material as usize],
+                    material,
+                    material_index: mesh.material,
+                    is_culled: geometry.is_culled(instance.mesh),
                     uvs: [0, 1].map(|set| face.uv(set)),
                     color: face.color(),
                     position,
                     is_front: front_ng.dot(ray.direction) < 0.0,
                     front_ng,
                     front_ns,
-                    tangents: face.tangents(front_ns),
+                    tangents: face.tangents(front_ns, map_uvs as usize),
                 }
             }
         }
+    }
+
+    /// Whether a camera ray passes through it from here.
+    pub(super) fn is_hidden_from_camera(&self) -> bool {
+        self.is_culled && !self.is_front
     }
 
     /// Probability that the surface is there for a ray that meets it.
@@ -97,60 +99,62 @@ impl<'a> Surface<'a> {
     }
 
     fn alpha(&self) -> f64 {
-        let texture = self.material.base_color_texture;
-        let texel = texture.map_or(1.0, |t| lookup(&self.scene.images, &t, &self.uvs).w);
+        let texel = self.texel(self.material.base_color_texture.as_ref()).w;
         f64::from(self.material.alpha) * self.color.w * texel
     }
 
     /// Radiance that the surface sends towards where it is seen from.
     pub(super) fn emitted(&self) -> DVec3 {
-        if !self.material.is_emissive() || !(self.is_front || self.material.double_sided) {
+        if self.material.unlit {
+            return self.base_color();
+        }
+        if !(self.is_front || self.material.double_sided) {
             return DVec3::ZERO;
         }
-        let texture = self.material.emission_texture;
-        let texel = texture.map_or(DVec3::ONE, |t| self.rgb(&t));
+        let texel = self.texel(self.material.emission_texture.as_ref()).truncate();
         self.material.emission.as_dvec3() * texel
     }
 
-    /// The material here.
-    pub(super) fn shading(&self) -> Shading {
-        let m = self.material;
-        let base = m.base_color_texture.map_or(DVec3::ONE, |t| self.rgb(&t));
-        let rough = m.metallic_roughness_texture.map_or(DVec3::ONE, |t| self.rgb(&t));
-        Shading {
-            base: m.base_color.as_dvec3() * self.color.truncate() * base,
-            metallic: f64::from(m.metallic) * rough.z,
-            roughness: f64::from(m.roughness) * rough.y,
-            ior: m.ior.into(),
-            specular: m.specular.into(),
-            specular_color: m.specular_color.as_dvec3(),
-            transmission: m.transmission.into(),
-            is_volume: m.volume,
-        }
+    /// A texture's value here; 1 without one.
+    pub(super) fn texel(&self, texture: Option<&TextureRef>) -> DVec4 {
+        texture.map_or(DVec4::ONE, |t| lookup(&self.scene.images, t, &self.uvs))
     }
 
-    fn rgb(&self, texture: &crate::scene::TextureRef) -> DVec3 {
-        lookup(&self.scene.images, texture, &self.uvs).truncate()
+    /// Linear base colour with texture and vertex colour.
+    pub(super) fn base_color(&self) -> DVec3 {
+        let texel = self.texel(self.material.base_color_texture.as_ref());
+        self.material.base_color.as_dvec3() * (self.color * texel).truncate()
     }
 
     /// Geometric and shading normal on the side of `wo`, towards which the surface is seen.
     pub(super) fn facing_normals(&self, wo: DVec3) -> (DVec3, DVec3) {
-        let side = if self.is_front { 1.0 } else { -1.0 };
-        let ns = self.mapped_normal() * side;
-        // A normal that faces away is turned until it just does not.
-        let cos = ns.dot(wo);
-        let ns = if cos < LEAST_COSINE { (ns + wo * (LEAST_COSINE - cos)).normalize() } else { ns };
-        (self.front_ng * side, ns)
+        let map = self.material.normal_texture.as_ref();
+        let ns = self.mapped_normal(map, self.material.normal_scale);
+        (self.front_ng * self.side(), self.facing(ns, wo))
     }
 
-    /// The front's shading normal after the normal map.
-    fn mapped_normal(&self) -> DVec3 {
-        let map = self.material.normal_texture.as_ref();
+    /// 1 where the front is seen.
+    fn side(&self) -> f64 {
+        if self.is_front { 1.0 } else { -1.0 }
+    }
+
+    /// A normal of the front on the side of `wo`. One that faces away is turned until it just
+    /// does not.
+    pub(super) fn facing(&self, front: DVec3, wo: DVec3) -> DVec3 {
+        let normal = front * self.side();
+        let cos = normal.dot(wo);
+        let turned = || (normal + wo * (LEAST_COSINE - cos)).normalize();
+        if cos < LEAST_COSINE { turned() } else { normal }
+    }
+
+    /// The front's shading normal after a normal map.
+    pub(super) fn mapped_normal(&self, map: Option<&TextureRef>, scale: f32) -> DVec3 {
         let Some((map, [tangent, bitangent])) = map.zip(self.tangents) else {
             return self.front_ns;
         };
-        let scale = f64::from(self.material.normal_scale);
-        let n = (self.rgb(map) * 2.0 - 1.0) * DVec3::new(scale, scale, 1.0);
+        let scale = f64::from(scale);
+        let texel = self.texel(Some(map)).truncate();
+        let n = (texel * 2.0 - 1.0) * DVec3::new(scale, scale, 1.0);
         let mapped = tangent * n.x + bitangent * n.y + self.front_ns * n.z;
         mapped.try_normalize().unwrap_or(self.front_ns)
     }
@@ -212,10 +216,11 @@ impl Face<'_> {
         (ng, ns.try_normalize().unwrap_or(ng))
     }
 
-    /// Tangent and bitangent, unit and at right angles to the front's shading normal `ns`.
-    fn tangents(&self, ns: DVec3) -> Option<[DVec3; 2]> {
+    /// Tangent and bitangent, unit and at right angles to the front's shading normal `ns`;
+    /// `uv_set`: where they come from if the mesh has none.
+    fn tangents(&self, ns: DVec3, uv_set: usize) -> Option<[DVec3; 2]> {
         let (tangent, side) = match &self.mesh.tangents[..] {
-            [] => self.uv_tangent(ns)?,
+            [] => self.uv_tangent(ns, uv_set)?,
             tangents => {
                 let in_object = self.interpolate(|i| tangents[i].as_dvec4()).truncate();
                 // glTF takes the cross product in object space; a mirror turns it round.
@@ -227,10 +232,10 @@ impl Face<'_> {
         Some([tangent, ns.cross(tangent) * side])
     }
 
-    /// The direction in which u of set 0 grows; and the side on which of it v decreases, as
+    /// The direction in which u of a set grows; and the side on which of it v decreases, as
     /// the sign of the cross product of `ns` and it.
-    fn uv_tangent(&self, ns: DVec3) -> Option<(DVec3, f64)> {
-        let uvs = &self.mesh.uvs[0];
+    fn uv_tangent(&self, ns: DVec3, uv_set: usize) -> Option<(DVec3, f64)> {
+        let uvs = &self.mesh.uvs[uv_set];
         if uvs.is_empty() {
             return None;
         }

@@ -1,10 +1,8 @@
 //! Parts of the reference against numbers computed in another way.
 
-use super::bsdf::Bsdf;
 use super::environment::Sky;
 use super::light::incident;
 use super::random::Random;
-use super::surface::Shading;
 use super::*;
 use crate::scene::{Environment, Instance, LightKind, Mesh, PunctualLight, Sphere};
 use glam::{Affine3A, DMat3, Mat3, Quat, Vec3};
@@ -151,21 +149,8 @@ fn a_ray_crosses_the_sphere_on_which_it_begins() {
     }
 }
 
-fn shading() -> Shading {
-    Shading {
-        base: DVec3::new(0.8, 0.5, 0.2),
-        metallic: 0.3,
-        roughness: 0.6,
-        ior: 1.5,
-        specular: 0.9,
-        specular_color: DVec3::new(1.0, 0.8, 0.6),
-        transmission: 0.0,
-        is_volume: false,
-    }
-}
-
 /// Midpoints over the hemisphere of `normal`, uniform in height and azimuth.
-fn hemisphere(mut value: impl FnMut(DVec3) -> DVec3, normal: DVec3) -> DVec3 {
+pub(super) fn hemisphere(mut value: impl FnMut(DVec3) -> DVec3, normal: DVec3) -> DVec3 {
     let (x, y) = normal.any_orthonormal_pair();
     let (rings, sectors) = (600, 600);
     let mut sum = DVec3::ZERO;
@@ -178,111 +163,6 @@ fn hemisphere(mut value: impl FnMut(DVec3) -> DVec3, normal: DVec3) -> DVec3 {
         }
     }
     sum * TAU / f64::from(rings * sectors)
-}
-
-/// The mean weight of drawn directions is the integral of BSDF and cosine, both are what the
-/// definitions say written out, and no density is missing.
-#[test]
-fn drawn_directions_integrate_the_bsdf() {
-    let normal = DVec3::new(0.2, 0.9, -0.3).normalize();
-    for (m, cos) in [
-        (shading(), 0.8),
-        (shading(), 0.15),
-        (Shading { metallic: 1.0, roughness: 0.9, ..shading() }, 0.4),
-        (Shading { metallic: 0.0, roughness: 0.3, ..shading() }, 0.9),
-    ] {
-        let tangent = normal.any_orthonormal_vector();
-        let wo = normal * cos + tangent * f64::sqrt(1.0 - cos * cos);
-        let bsdf = Bsdf::new(&m, wo, (normal, normal), true);
-        let both = |wi| {
-            let (expected, got) = (by_definition(&m, normal, wo, wi), bsdf.eval(wi));
-            assert!(
-                (expected - got).abs().max_element() < 1e-9 * (1.0 + got.max_element()),
-                "{wi}"
-            );
-            expected
-        };
-        let expected = hemisphere(both, normal);
-
-        let mut random = Random::new(4, (0, 0), 0);
-        let n = 200_000;
-        let (mut sum, mut squares, mut unused) = (DVec3::ZERO, DVec3::ZERO, 0.0);
-        for _ in 0..n {
-            let Some(scattered) = bsdf.sample(&mut random) else {
-                unused += 1.0;
-                continue;
-            };
-            sum += scattered.weight;
-            squares += scattered.weight * scattered.weight;
-        }
-        let n = f64::from(n);
-        let mean = sum / n;
-        for c in 0..3 {
-            let s = ((squares[c] / n - mean[c] * mean[c]) / n).sqrt();
-            assert!((mean[c] - expected[c]).abs() < 3.9 * s, "{mean} {expected}, s {s}");
-            assert!(s < 0.005 * expected[c]);
-        }
-        // What is drawn below the surface is all that the density above it lacks.
-        let above = hemisphere(|wi| DVec3::splat(bsdf.pdf(wi)), normal).x;
-        let s = (above * (1.0 - above) / n).sqrt().max(1e-4);
-        assert!((above - (1.0 - unused / n)).abs() < 3.9 * s, "{above} {}", unused / n);
-    }
-}
-
-/// BSDF times cosine, written out from angles.
-fn by_definition(m: &Shading, normal: DVec3, wo: DVec3, wi: DVec3) -> DVec3 {
-    let h = (wo + wi).normalize();
-    let angle = |a: DVec3, b: DVec3| a.angle_between(b);
-    let (o, i, half) = (angle(wo, normal), angle(wi, normal), angle(h, normal));
-    let x = (1.0 - angle(wo, h).cos()).powi(5);
-    let d = 1.0 - m.metallic;
-    let f0 =
-        (m.specular_color * ((m.ior - 1.0) / (m.ior + 1.0)).powi(2)).min(DVec3::ONE) * m.specular;
-    let f0_max = f0.max_element();
-    let coat = f0_max + (m.specular - f0_max) * x;
-    let diffuse = m.base * d / PI * (1.0 - coat);
-    let low = f0 * d + m.base * m.metallic;
-    let fresnel = low + (DVec3::splat(d * m.specular + m.metallic) - low) * x;
-    let a2 = m.roughness.powi(4);
-    let d_ggx = a2 / (PI * half.cos().powi(4) * (a2 + half.tan().powi(2)).powi(2));
-    let root = |t: f64| (1.0 + a2 * t.tan().powi(2)).sqrt();
-    let g2 = 2.0 / (root(o) + root(i));
-    (diffuse + fresnel * (d_ggx * g2 / (4.0 * o.cos() * i.cos()))) * i.cos()
-}
-
-/// What a smooth interface lets through, in both directions: where Snell's law says, and 1 - R
-/// of it times the square of the index on the near side over that on the far side.
-#[test]
-fn interfaces_are_the_same_from_both_sides() {
-    let (base, metallic, transmission) = (DVec3::ONE, 0.0, 1.0);
-    let glass = Shading { base, metallic, transmission, is_volume: true, ..shading() };
-    // Mean and standard error of what goes through, and where.
-    let through = |wo: DVec3, is_front: bool| {
-        let facing = if is_front { DVec3::Y } else { DVec3::NEG_Y };
-        let bsdf = Bsdf::new(&glass, wo, (facing, facing), is_front);
-        let (mut random, n) = (Random::new(5, (0, 0), 0), 20_000);
-        let scattered = (0..n).map(|_| bsdf.sample(&mut random).unwrap());
-        let through: Vec<_> = scattered.filter(|s| s.wi.dot(facing) < 0.0).collect();
-        let last = through.last()?;
-        let share = through.len() as f64 / f64::from(n);
-        let s = (share * (1.0 - share) / f64::from(n)).sqrt();
-        Some((last.wi, share * last.weight.x, s * last.weight.x))
-    };
-    for sin in [0.1_f64, 0.4, 0.9] {
-        let (o, t) = (sin.asin(), (sin / 1.5).asin());
-        let [across, within] =
-            [((o - t).sin() / (o + t).sin()).powi(2), ((o - t).tan() / (o + t).tan()).powi(2)];
-        let let_through = 1.0 - 0.5 * (across + within);
-        let wo = DVec3::new(sin, o.cos(), 0.0);
-        let (inside, into, s) = through(wo, true).unwrap();
-        assert!(inside.abs_diff_eq(-DVec3::new(t.sin(), t.cos(), 0.0), 1e-12), "{inside}");
-        assert!((into - let_through / 2.25).abs() <= 3.9 * s, "{into} ± {s}");
-        let (outside, out, s) = through(inside, false).unwrap();
-        assert!(outside.abs_diff_eq(wo, 1e-12), "{outside} is not {wo}");
-        assert!((out - let_through * 2.25).abs() <= 3.9 * s, "{out} ± {s}");
-    }
-    // Beyond the critical angle nothing leaves.
-    assert!(through(DVec3::new(0.7, -f64::sqrt(0.51), 0.0), false).is_none());
 }
 
 /// Drawn directions have the density that goes with them, and its integral is 1.

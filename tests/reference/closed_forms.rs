@@ -15,7 +15,7 @@ use steradian::settings::Crop;
 const ROUNDING: f64 = 8.0 / 16_777_216.0;
 
 /// Samples of all pixels of a small picture: independent observations of one radiance.
-fn samples(scene: &Scene, settings: &RenderSettings) -> Vec<f64> {
+pub(crate) fn samples(scene: &Scene, settings: &RenderSettings) -> Vec<f64> {
     let reference = Reference::new(scene, settings).unwrap();
     let (width, height) = settings.resolution;
     let mut all = Vec::new();
@@ -32,7 +32,7 @@ fn check(name: &str, spp: u32, visible_bias: f64) {
 }
 
 /// That no sample deviates from `truth` by more than rounding.
-fn check_exact(what: &str, scene: &Scene, settings: &RenderSettings, truth: f64) {
+pub(crate) fn check_exact(what: &str, scene: &Scene, settings: &RenderSettings, truth: f64) {
     for sample in samples(scene, settings) {
         assert!((sample - truth).abs() <= ROUNDING * truth, "{what}: {sample} for {truth}");
     }
@@ -152,7 +152,7 @@ fn segment(h: f64) -> f64 {
 }
 
 /// Fresnel reflectance of a smooth interface, as amplitudes by Snell's angles.
-fn fresnel(sin_o: f64, ior: f64) -> f64 {
+pub(crate) fn fresnel(sin_o: f64, ior: f64) -> f64 {
     let (o, t) = (sin_o.asin(), (sin_o / ior).asin());
     0.5 * (((o - t).sin() / (o + t).sin()).powi(2) + ((o - t).tan() / (o + t).tan()).powi(2))
 }
@@ -166,6 +166,8 @@ fn a_thin_pane_is_crossed_once() {
             metallic: 0.0,
             transmission: 1.0,
             ior,
+            roughness: 0.0,
+            double_sided: true,
             ..Material::default()
         };
         let eye = Vec3::new(sin, f32::sqrt(1.0 - sin * sin), 0.0);

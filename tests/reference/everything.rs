@@ -17,7 +17,7 @@ fn small() -> RenderSettings {
 const VISIBLE: Visible = Visible { mean: 0.03, tile: 0.12 };
 
 /// A camera that looks down at the origin from the front.
-fn stage() -> Stage {
+pub(crate) fn stage() -> Stage {
     let mut stage = Stage::perspective(Vec3::new(0.4, 2.2, 3.1), Vec3::new(0.0, 0.1, 0.0), 0.75);
     upright(&mut stage);
     stage
@@ -37,19 +37,19 @@ fn lying() -> Affine3A {
 }
 
 /// A lamp above that is large enough to leave little noise.
-fn lamp(stage: &mut Stage) {
+pub(crate) fn lamp(stage: &mut Stage) {
     stage.ceiling(Vec3::new(-0.7, 2.6, 0.5), 0.9, emitter(2.0));
 }
 
-fn paint() -> Material {
+pub(crate) fn paint() -> Material {
     Material { metallic: 0.0, roughness: 0.5, ..Material::default() }
 }
 
-fn pictures(stage: &mut Stage) {
+pub(crate) fn pictures(stage: &mut Stage) {
     stage.scene.images = vec![picture(5, 4, 40), normal_map(6, 3), picture(3, 7, 90)];
 }
 
-fn srgb(uv_set: u32) -> TextureRef {
+pub(crate) fn srgb(uv_set: u32) -> TextureRef {
     TextureRef { uv_set, ..texture(0, ColorSpace::Srgb) }
 }
 
@@ -63,7 +63,7 @@ fn transform() -> Affine2 {
 }
 
 /// Three placements of one bowl: as it is, mirrored and stretched, and on its back.
-fn three_bowls(stage: &mut Stage, mesh: Mesh, material: Material) {
+pub(crate) fn three_bowls(stage: &mut Stage, mesh: Mesh, material: Material) {
     let mesh = stage.mesh(mesh, material);
     let size = Affine3A::from_scale(Vec3::new(0.45, 0.45, 0.45));
     let place = |x: f32, z: f32| Affine3A::from_translation(Vec3::new(x, 0.0, z));

@@ -7,4 +7,6 @@ mod agreement;
 mod closed_forms;
 mod everything;
 mod forms;
+mod lobes;
+mod media;
 mod renderer;
