@@ -75,7 +75,8 @@ impl<'a> EmissionTexture<'a> {
         let mean = means.iter().sum::<f64>() / means.len() as f64;
         let squares = means.iter().map(|m| m * m).sum::<f64>() / means.len() as f64;
         let mean_or_floor = mean.max(floor);
-        if side < 2 || !(squares >= LEAST_GAIN * mean * mean) || mean <= 0.0 {
+        let is_even = squares.is_nan() || squares < LEAST_GAIN * mean * mean;
+        if side < 2 || is_even || mean <= 0.0 {
             return (1, vec![if mean_or_floor.is_finite() { mean_or_floor } else { self.mean }]);
         }
         let scale = mean_or_floor / mean;

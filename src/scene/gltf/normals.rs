@@ -26,7 +26,7 @@ pub(super) fn normalize(
         match unit(*normal) {
             Some(direction) => {
                 let length = normal.length();
-                scaled += usize::from(!((length - 1.0).abs() <= LENGTH_TOLERANCE));
+                scaled += usize::from((length - 1.0).abs() > LENGTH_TOLERANCE);
                 *normal = direction;
             }
             None => *is_broken = true,
