@@ -237,7 +237,7 @@ fn images_that_are_missing_damaged_or_out_of_the_buffer() {
     );
 
     let no_picture = with_image(json!({"uri": "data:image/png;base64,AAAA"}));
-    assert_contains(&no_picture.refusal(), "image 0: it is neither PNG nor JPEG");
+    assert_contains(&no_picture.refusal(), "image 0: it is none of PNG, JPEG, WebP and KTX2");
 
     let cut = with_image(json!({"uri": "cut.png"}));
     cut.write("cut.png", &png()[..40]);
