@@ -82,8 +82,8 @@ fn the_picture_does_not_depend_on_the_number_of_buffers() {
     // A kernel that takes one buffer for another is caught.
     let mut defect = Tuning::default();
     let text = defect.library.get_mut("material/texture").unwrap();
-    assert!(text.contains("return textures_2[within]"));
-    *text = text.replace("return textures_2[within]", "return textures_1[within]").into();
+    assert!(text.contains("select(textures_2[word]"));
+    *text = text.replace("select(textures_2[word]", "select(textures_1[word]").into();
     let (film, _) = spread(&mut device, &stage, 32 * 16, &defect).unwrap();
     assert!(film.picture() != whole.picture());
 }
