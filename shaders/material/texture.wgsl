@@ -4,7 +4,7 @@
 // First the descriptors, three vec4 each: (first texel, width, height, TEXTURE_
 // flags) and the two rows of the transform of texture coordinates; then RGBA8
 // texels, four to a vec4. The fourth component of the first row holds the shift
-// of texture_word.
+// that finds a texel's buffer.
 @group(0) @binding(7) var<storage, read> textures: array<vec4<u32>>;
 
 #if SPLIT_TEXTURES
@@ -14,23 +14,19 @@
 @group(0) @binding(11) var<storage, read> textures_3: array<vec4<u32>>;
 #endif
 
-fn texture_word(at: u32, shift: u32) -> vec4<u32> {
-#if SPLIT_TEXTURES
-    let within = at & ((1u << shift) - 1u);
-    switch at >> shift {
-        case 1u: { return textures_1[within]; }
-        case 2u: { return textures_2[within]; }
-        case 3u: { return textures_3[within]; }
-        default: { return textures[within]; }
-    }
-#else
-    return textures[at];
-#endif
-}
-
 fn texture_texel(first: u32, index: u32, shift: u32) -> vec4<f32> {
     let at = first + index;
-    return unpack4x8unorm(texture_word(at >> 2u, shift)[at & 3u]);
+    let k = at & 3u;
+#if SPLIT_TEXTURES
+    // Every buffer is read, which costs less than branches; what lies beyond its end is dropped.
+    let part = at >> (shift + 2u);
+    let word = (at >> 2u) & ((1u << shift) - 1u);
+    let low = select(textures[word][k], textures_1[word][k], part == 1u);
+    let high = select(textures_2[word][k], textures_3[word][k], part == 3u);
+    return unpack4x8unorm(select(low, high, part >= 2u));
+#else
+    return unpack4x8unorm(textures[at >> 2u][k]);
+#endif
 }
 
 // IEC 61966-2-1.
