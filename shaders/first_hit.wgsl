@@ -58,6 +58,7 @@ fn first_hit_add(sum: FirstHit, ray: Ray, hit: Hit) -> FirstHit {
 #if TEXTURES
     s.ns = normal_map_ns(m, s);
 #endif
+    s.ns = surface_bend(s.ns, s.ng, s.wo);
     p.hit_count += 1u;
     p.shading_normal += s.ns;
     p.geometric_normal += s.ng;

@@ -66,6 +66,7 @@ fn path_radiance(sampler_p: Sampler, camera: Ray, is_active: bool) -> vec3<f32> 
 #if TEXTURES
             s.ns = normal_map_ns(m, s);
 #endif
+            s.ns = surface_bend(s.ns, s.ng, s.wo);
 #if LIGHT_SURFACES
             if s.light != INVALID && path_keeps(bounce) {
                 p.radiance += path_emission(p, m, s);

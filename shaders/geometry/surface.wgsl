@@ -65,18 +65,44 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
         s.ng = -s.ng;
         s.ns = -s.ns;
     }
-    s.ns = surface_bend(s.ns, s.wo);
 #if CLEARCOAT
     s.nv = s.ns;
 #endif
     return s;
 }
 
-// Turns a shading normal that faces away from wo just into view.
-fn surface_bend(ns: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
-    let c = dot(ns, wo);
-    if c >= LEAST_COSINE {
-        return ns;
+// A shading normal by which a surface can be shaded: turned just into view where it faces away from
+// wo, and towards ng as far as it takes for wo's mirror image to be above the true surface. Otherwise
+// rims and steep normal maps would be black where they should reflect what is at the horizon.
+fn surface_bend(ns: vec3<f32>, ng: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
+    var n = ns;
+    let c = dot(n, wo);
+    if c < LEAST_COSINE {
+        n = normalize(n + (LEAST_COSINE - c) * wo);
     }
-    return normalize(ns + (LEAST_COSINE - c) * wo);
+#if ATTRIBUTES
+    n = surface_reflecting(n, ng, wo);
+#endif
+    return n;
 }
+
+#if ATTRIBUTES
+// The cosine to ng that a mirror image shall have, if wo's own is larger.
+const LEAST_MIRRORED_COSINE: f32 = 0.01;
+
+// The unit vector along n + k ng, k >= 0, about which the mirror image of wo has at least that
+// cosine to ng: 2 (n.wo) (n.ng) - wo.ng, a quadratic in k.
+fn surface_reflecting(n: vec3<f32>, ng: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
+    let cos_o = max(dot(ng, wo), 0.0);
+    let least = min(0.9 * cos_o, LEAST_MIRRORED_COSINE);
+    let n_wo = dot(n, wo);
+    let n_ng = dot(n, ng);
+    let excess = 2.0 * n_wo * n_ng - cos_o - least;
+    if excess >= 0.0 {
+        return n;
+    }
+    let half_slope = n_wo - n_ng * least;
+    let root = sqrt(max(half_slope * half_slope - (cos_o - least) * excess, 0.0));
+    return normalize(n - (excess / (half_slope + root)) * ng);
+}
+#endif

@@ -82,6 +82,7 @@ fn layers_coat(m: Material, s: Surface, frame_s: mat3x3<f32>) -> Coat {
 #if CLEARCOAT_NORMAL
     n = normal_mapped(m.clearcoat_normal_texture, m.clearcoat_normal_scale, s, s.nv);
 #endif
+    n = surface_bend(n, s.ng, s.wo);
     return coat_new(factor, roughness, n * frame_s, s.wo * frame_s);
 }
 #endif

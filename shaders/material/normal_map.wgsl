@@ -1,7 +1,7 @@
 // Tangent-space normal maps.
 #import material/material
 
-// The shading normal at s with the material's normal map applied.
+// The interpolated normal at s with the material's normal map applied.
 fn normal_map_ns(m: Material, s: Surface) -> vec3<f32> {
     return normal_mapped(m.normal_texture, m.normal_scale, s, s.ns);
 }
@@ -18,5 +18,5 @@ fn normal_mapped(texture: u32, scale: f32, s: Surface, ns: vec3<f32>) -> vec3<f3
     let t = surface_unit(s.tangent.xyz - front * dot(front, s.tangent.xyz));
     let b = cross(front, t) * s.tangent.w;
     let mapped = surface_unit(t * n.x + b * n.y + front * n.z);
-    return surface_bend(select(-mapped, mapped, s.is_front), s.wo);
+    return select(-mapped, mapped, s.is_front);
 }

@@ -5,6 +5,10 @@ use super::texture::lookup;
 use crate::scene::{AlphaMode, Instance, Material, Mesh, Scene, TextureRef};
 use glam::{DVec2, DVec3, DVec4};
 
+/// The cosine to the geometric normal that a mirror image of the direction of view shall have, where
+/// that direction's own is larger.
+const LEAST_MIRRORED_COSINE: f64 = 0.01;
+
 /// The least cosine between the shading normal and the direction of view.
 const LEAST_COSINE: f64 = 1e-4;
 
@@ -144,7 +148,8 @@ impl<'a> Surface<'a> {
         let normal = front * self.side();
         let cos = normal.dot(wo);
         let turned = || (normal + wo * (LEAST_COSINE - cos)).normalize();
-        if cos < LEAST_COSINE { turned() } else { normal }
+        let normal = if cos < LEAST_COSINE { turned() } else { normal };
+        reflecting(normal, self.front_ng * self.side(), wo)
     }
 
     /// The front's shading normal after a normal map.
@@ -250,4 +255,22 @@ impl Face<'_> {
         let along_v = (edges[1] * first.x - edges[0] * second.x) / area;
         Some((along_u, -ns.cross(along_u).dot(along_v).signum()))
     }
+}
+
+/// `normal`, turned towards the geometric normal `ng` only as far as it takes for the mirror image
+/// of `wo` to be above the surface. Found by bisection of the angle.
+fn reflecting(normal: DVec3, ng: DVec3, wo: DVec3) -> DVec3 {
+    let cos_o = ng.dot(wo).max(0.0);
+    let least = LEAST_MIRRORED_COSINE.min(0.9 * cos_o);
+    let is_above = |n: DVec3| 2.0 * n.dot(wo) * n.dot(ng) - cos_o >= least;
+    if is_above(normal) {
+        return normal;
+    }
+    let between = |share: f64| normal.lerp(ng, share).normalize_or(ng);
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if is_above(between(middle)) { high = middle } else { low = middle }
+    }
+    between(high)
 }
