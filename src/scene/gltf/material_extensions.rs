@@ -84,6 +84,9 @@ impl MaterialReader<'_, '_> {
         }
         if let Some(from) = self.checked(all.optional("KHR_materials_clearcoat"))? {
             material.clearcoat = self.clearcoat(from)?;
+            if material.clearcoat.is_some() && material.is_emissive() {
+                self.approximated("emission is not dimmed by the clearcoat above it");
+            }
         }
         Ok(())
     }
