@@ -19,11 +19,15 @@ const SUPPORTED: [&str; 8] = [
     "KHR_texture_transform",
 ];
 
+/// Extensions that by their specification change nothing in a picture.
+const WITHOUT_PICTURE: [&str; 4] =
+    ["KHR_xmp", "KHR_xmp_json_ld", "KHR_node_selectability", "KHR_node_hoverability"];
+
 /// Refuses a file that requires what is not supported; notes every other
 /// extension that occurs.
 pub(super) fn check(document: &Document, notices: &mut Notices) -> Result<()> {
     for name in &document.root.extensions_required {
-        if !SUPPORTED.contains(&name.as_str()) {
+        if ![&SUPPORTED[..], &WITHOUT_PICTURE].concat().contains(&name.as_str()) {
             return Err(document.error(format!(
                 "the file requires the extension {name:?}, which is not supported; export it without"
             )));
@@ -36,7 +40,7 @@ pub(super) fn check(document: &Document, notices: &mut Notices) -> Result<()> {
     });
     for name in &document.root.extensions_used {
         if seen.insert(name.clone()) {
-            note(name, "extensionsUsed", notices);
+            note(name, EXTENSIONS_USED, notices);
         }
     }
     Ok(())
@@ -44,13 +48,50 @@ pub(super) fn check(document: &Document, notices: &mut Notices) -> Result<()> {
 
 fn note(name: &str, place: &str, notices: &mut Notices) {
     match name {
+        _ if is_out_of_place(name, place) => {
+            notices.ignored(format!("extension {name} where it has no meaning"), place);
+        }
         "KHR_materials_unlit" => {
             notices.ignored("KHR_materials_unlit: shaded as an ordinary material", place);
         }
         _ if SUPPORTED.contains(&name) => notices.honoured(name, place),
-        _ => notices.ignored(format!("extension {}", name.escape_debug()), place),
+        _ if WITHOUT_PICTURE.contains(&name) => {
+            notices.honoured(&format!("{name}: no part of the picture"), place);
+        }
+        _ => notices.ignored(format!("extension {name}"), place),
     }
 }
+
+/// Whether the extension of this name says nothing at this place, by its specification.
+/// Where it is an object of the wrong kind nothing reads it, so it must not be said to be
+/// honoured. Of a name that is not known here the place is not judged.
+fn is_out_of_place(name: &str, place: &str) -> bool {
+    if place == EXTENSIONS_USED {
+        return false;
+    }
+    let kind = place.split('[').next().unwrap_or(place);
+    let kinds: &[&str] = match name {
+        "KHR_lights_punctual" => &[THE_FILE, "nodes"],
+        "EXT_lights_image_based" => &[THE_FILE, "scenes"],
+        "KHR_materials_variants" => &[THE_FILE, "meshes"],
+        "KHR_texture_transform" => &["materials"],
+        "KHR_texture_basisu" | "EXT_texture_webp" => &["textures"],
+        "EXT_mesh_gpu_instancing" | "KHR_node_visibility" => &["nodes"],
+        "KHR_draco_mesh_compression" => &["meshes"],
+        "EXT_meshopt_compression" | "KHR_meshopt_compression" => &["buffers", "bufferViews"],
+        "KHR_animation_pointer" => &["animations"],
+        // Only ever listed.
+        "KHR_mesh_quantization" => &[],
+        _ if name.starts_with("KHR_materials_") => &["materials"],
+        _ => return false,
+    };
+    !kinds.contains(&kind)
+}
+
+/// The place of an extension that is listed and occurs nowhere.
+const EXTENSIONS_USED: &str = "extensionsUsed";
+/// The place of an extension of the file itself.
+const THE_FILE: &str = "the file";
 
 /// Calls `visit(name, place)` for every member of every `extensions` object;
 /// `place` is the top-level object around it, as `materials[3]`.
@@ -65,8 +106,8 @@ fn visit_extensions(raw: &Value, mut visit: impl FnMut(&str, &str)) {
             }
             Value::Object(extensions) if key == "extensions" => {
                 for (name, value) in extensions {
-                    visit(name, "the file");
-                    visit_within(value, "the file", &mut visit);
+                    visit(name, THE_FILE);
+                    visit_within(value, THE_FILE, &mut visit);
                 }
             }
             _ => visit_within(value, &key.escape_debug().to_string(), &mut visit),

@@ -6,6 +6,7 @@ use super::limits::MAX_IMAGE_SIDE;
 use super::notices::Notices;
 use crate::Result;
 use crate::scene::Image;
+use crate::scene::guard::decoding;
 use gltf::json;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::borrow::Cow;
@@ -45,7 +46,7 @@ impl Images {
                 return Err(document.error(format!("{what} needs either a uri or a bufferView")));
             }
         };
-        let (width, height, rgba) = decode(&bytes, document, &what, notices)
+        let (width, height, rgba) = decoding(|| decode(&bytes, document, &what, notices))
             .map_err(|message| document.error(format!("{what}: {message}")))?;
         let place = self.images.len() as u32;
         self.images.push(Image { name: display_name(document, index), width, height, rgba });

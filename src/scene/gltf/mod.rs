@@ -19,6 +19,7 @@ mod instances;
 mod lights;
 mod limits;
 mod materials;
+mod members;
 mod nodes;
 mod normals;
 mod notices;
@@ -105,9 +106,11 @@ fn load_within(
     })?;
     let document = &Document::parse(path, container.json, reach, budget)?;
     extensions::check(document, &mut notices)?;
+    members::check(&document.raw, &mut notices);
     let buffers = &Buffers::load(document, container.bin)?;
 
     let scene = nodes::default_scene(document)?;
+    nodes::note_scene(document, scene, &mut notices);
     let placements = &nodes::walk(document, scene, &mut notices)?;
     let (mut materials, images) = materials::read(document, buffers, &mut notices)?;
     let accessors = &Accessors { document, buffers };
