@@ -3,6 +3,8 @@
 
 CARGO ?= cargo
 OUT ?= out
+# For each fuzz target.
+FUZZ_SECONDS ?= 60
 # Square pictures: resolution and samples per pixel.
 DEMO_RESOLUTION ?= 320x320
 DEMO_SPP ?= 48
@@ -14,7 +16,7 @@ STUDY ?=
 BENCH_SCENE ?= scenes/cornell-spheres/cornell-spheres.gltf
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-viewer test-report compare-study numerics gallery scenes bench lint fmt-check clean
+.PHONY: help setup demo test test-viewer test-report compare-study numerics gallery scenes bench fuzz lint fmt-check clean
 
 help: ## List the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
@@ -65,6 +67,9 @@ bench: setup ## Samples per second against Mitsuba 3, if that is installed
 		echo 'bench: the comparison needs Mitsuba 3: python3 -m pip install mitsuba' >&2; \
 		exit 1; \
 	fi
+
+fuzz: ## Feed the loader with random files, a minute for each target; FUZZ_SECONDS=n
+	tools/fuzz.sh $(FUZZ_SECONDS)
 
 fmt-check: ## Check the formatting
 	$(CARGO) fmt --check

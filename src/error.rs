@@ -48,9 +48,10 @@ pub enum Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// A [`Error::Scene`] for `path`.
+    /// A [`Error::Scene`] for `path`. Parts of the message may come from the file, so that
+    /// control characters are escaped, and what is very long is cut.
     pub fn scene(path: impl Into<PathBuf>, message: impl Into<String>) -> Self {
-        Self::Scene { path: path.into(), message: message.into() }
+        Self::Scene { path: path.into(), message: printable(&message.into()) }
     }
 
     /// An [`Error::Io`] for `path`.
@@ -67,5 +68,37 @@ impl Error {
             Self::NoDevice(_) => 4,
             Self::DeviceLost(_) => 75,
         }
+    }
+}
+
+/// Longest message about a file, characters.
+const MESSAGE_LENGTH: usize = 2000;
+
+/// The text as one line that does nothing to a terminal.
+pub(crate) fn printable(text: &str) -> String {
+    let mut line = String::new();
+    for (i, character) in text.chars().enumerate() {
+        match character {
+            _ if i >= MESSAGE_LENGTH => {
+                line.push('…');
+                break;
+            }
+            c if c.is_control() => line.extend(c.escape_debug()),
+            c => line.push(c),
+        }
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_is_one_line_without_control_characters() {
+        let message = Error::scene("a.gltf", "no\u{1b}[31m\nsuch: \"ü\"").to_string();
+        assert_eq!(message, "a.gltf: no\\u{1b}[31m\\nsuch: \"ü\"");
+        let long = Error::scene("a.gltf", "x".repeat(1 << 20)).to_string();
+        assert_eq!(long.chars().count(), "a.gltf: ".len() + MESSAGE_LENGTH + 1);
     }
 }

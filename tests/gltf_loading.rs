@@ -435,3 +435,27 @@ fn the_scene_names_its_environment() {
     // Turned counter-clockwise seen from above, what was at +X is now at -Z.
     assert!((sky.environment_from_world * Vec3::NEG_Z).distance(Vec3::X) < 1e-6);
 }
+
+#[test]
+fn what_has_no_effect_is_named() {
+    let mut fixture = Fixture::triangle();
+    let colors = fixture.floats("VEC3", &[0.5; 9]);
+    fixture.attribute("COLOR_1", colors);
+    fixture.attribute("_ID", colors);
+    fixture.json["nodes"][0]["rotation"] = json!([0.0, 0.0, 0.0, 1.01]);
+    fixture.json["materials"] = json!([{"pbrMetallicRoughness": {"metalicFactor": 0.0}}]);
+    fixture.json["nodes"][0]["extensions"] = json!({"KHR_materials_ior": {"ior": 1.2}});
+    fixture.json["extensions"] = json!({"KHR_xmp_json_ld": {"packets": []}});
+    fixture.push("scenes", json!({"nodes": []}));
+    let scene = fixture.scene();
+    let has = |treatment, text: &str| {
+        assert!(has_notice(&scene, treatment, text), "{text:?} is not in {:?}", scene.notices);
+    };
+    has(Treatment::Ignored, "vertex colours beyond COLOR_0 (meshes[0], primitives)");
+    has(Treatment::Ignored, "\"metalicFactor\", which glTF 2.0 does not have (materials[0]");
+    has(Treatment::Ignored, "KHR_materials_ior where it has no meaning (nodes[0])");
+    has(Treatment::Approximated, "rotation whose length is not 1: normalised (node 0)");
+    has(Treatment::Honoured, "KHR_xmp_json_ld: no part of the picture (the file)");
+    has(Treatment::Honoured, "one of 2 scenes: the default (scene 0)");
+    assert_eq!(scene.notices.len(), 6, "{:?}", scene.notices);
+}

@@ -10,9 +10,9 @@ with it are refused, and how many are loaded with and without a line about somet
 approximated or ignored.
 
 Most files of such a collection have nothing to draw, or do not use what is wrong in them.
-Each is therefore run a second time with everything in it put to use, in a copy of its folder;
-the table counts a file as refused where one of both runs is, for another reason than that
-nothing is drawn. No device is used.
+Each is therefore run twice more, in a copy of its folder: with nodes for what can stand
+in a scene, and with everything in it put to use. The table counts a file as refused where one
+of the runs is, for another reason than that nothing is drawn. No device is used.
 
 Exit code 1 if a file did not end as it must. Linux only.
 """
@@ -91,8 +91,10 @@ class PutToUse:
         self.root = root
         text = json.dumps(root)
         self.unused = lambda name, index: f'"{name}": {index}' not in text
-        self.corners = self.accessor(3, "VEC3", struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0))
         self.new_nodes = []
+
+    def add_corners(self):
+        self.corners = self.accessor(3, "VEC3", struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0))
 
     def list(self, name):
         return [item for item in self.root.get(name, []) if isinstance(item, dict)]
@@ -162,6 +164,8 @@ class PutToUse:
             if self.unused("light", index):
                 extensions = {"KHR_lights_punctual": {"light": index}}
                 self.new_nodes.append(self.append("nodes", {"extensions": extensions}))
+
+    def skins(self):
         for index in range(len(self.list("skins"))):
             if self.unused("skin", index):
                 joints = self.accessor(3, "VEC4")
@@ -182,16 +186,22 @@ class PutToUse:
         scene.setdefault("nodes", []).extend(roots)
 
 
-def put_to_use(data):
-    """The file with everything in it drawn; None where the JSON is too broken for that."""
+def put_to_use(data, with_new_data):
+    """The file with everything in it drawn; None where the JSON is too broken for that.
+
+    Without new data only nodes are added: an index one beyond a list stays without an object.
+    """
     try:
         text, rest = split(data)
         root = json.loads(text.decode("utf-8-sig"))
         accessors, nodes = list(root.get("accessors", [])), list(root.get("nodes", []))
         use = PutToUse(root)
-        use.draw({"POSITION": use.corners})
-        use.accessors(accessors)
-        use.materials()
+        if with_new_data:
+            use.add_corners()
+            use.draw({"POSITION": use.corners})
+            use.accessors(accessors)
+            use.materials()
+            use.skins()
         use.nodes()
         use.scene(nodes)
         return join(json.dumps(root).encode(), rest)
@@ -208,8 +218,10 @@ class Case:
         messages = json.loads(report.read_text())["issues"]["messages"] if report.exists() else []
         self.errors = sorted({m["code"] for m in messages if m["severity"] == 0})
         self.runs = [run(program, ["info", str(path)])]
-        changed = put_to_use(path.read_bytes())
-        if changed is not None:
+        for with_new_data in (False, True):
+            changed = put_to_use(path.read_bytes(), with_new_data)
+            if changed is None:
+                continue
             copy = Path(scratch) / path.parent.relative_to(folder)
             if not copy.exists():
                 shutil.copytree(path.parent, copy)

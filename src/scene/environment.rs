@@ -1,5 +1,6 @@
 //! Light from infinity.
 
+use super::guard::decoding;
 use crate::{Error, Result};
 use glam::{DVec3, Mat3, Vec3};
 use image::{DynamicImage, ImageDecoder, codecs::hdr::HdrDecoder};
@@ -10,6 +11,10 @@ use std::path::Path;
 const MAX_PIXELS: u64 = 1 << 27;
 /// Largest file, bytes: what so many uncompressed pixels of four floats need.
 const MAX_FILE_SIZE: u64 = MAX_PIXELS * 16;
+/// Pixels of any map, and of a larger one for each byte of its file: a flat picture of three
+/// half floats is 172 a byte by deflate. A small file cannot make the program hold much.
+const ANY_PIXELS: u64 = 1 << 22;
+const PIXELS_PER_BYTE: u64 = 256;
 const EXR_MAGIC: [u8; 4] = 20000630_u32.to_le_bytes();
 const HDR_MAGIC: &[u8] = b"#?";
 
@@ -73,7 +78,7 @@ impl Environment {
     /// [`Error::Scene`] as for [`load`](Self::load).
     pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<(Self, usize)> {
         let error = |message: String| Error::scene(path, message);
-        let (width, height, mut radiance) = decode(bytes).map_err(error)?;
+        let (width, height, mut radiance) = decoding(|| decode(bytes)).map_err(error)?;
         let mut negative_count = 0;
         for (i, pixel) in radiance.iter_mut().enumerate() {
             if !pixel.is_finite() {
@@ -168,18 +173,26 @@ fn decode(bytes: &[u8]) -> std::result::Result<Pixels, String> {
     }
 }
 
-fn check_size(width: u64, height: u64) -> std::result::Result<(), String> {
+/// Whether a map may have this size, of which a header speaks in a file of `bytes` bytes.
+fn check_size(width: u64, height: u64, bytes: usize) -> std::result::Result<(), String> {
+    let by_file = (bytes as u64).saturating_mul(PIXELS_PER_BYTE).max(ANY_PIXELS);
     match width.checked_mul(height) {
         Some(0) => Err("has no pixels".into()),
-        Some(pixels) if pixels <= MAX_PIXELS => Ok(()),
-        _ => Err(format!("has {width} × {height} pixels; the limit is {MAX_PIXELS} in all")),
+        Some(pixels) if pixels > MAX_PIXELS => {
+            Err(format!("has {width} × {height} pixels; the limit is {MAX_PIXELS} in all"))
+        }
+        Some(pixels) if pixels > by_file => Err(format!(
+            "has {width} × {height} pixels in {bytes} bytes; the limit is {by_file} for so small a file"
+        )),
+        Some(_) => Ok(()),
+        None => Err(format!("has {width} × {height} pixels; the limit is {MAX_PIXELS} in all")),
     }
 }
 
 fn decode_hdr(bytes: &[u8]) -> std::result::Result<Pixels, String> {
     let decoder = HdrDecoder::new(Cursor::new(bytes)).map_err(|e| e.to_string())?;
     let (width, height) = decoder.dimensions();
-    check_size(width.into(), height.into())?;
+    check_size(width.into(), height.into(), bytes.len())?;
     let picture = DynamicImage::from_decoder(decoder).map_err(|e| e.to_string())?.into_rgb32f();
     Ok((width, height, picture.pixels().map(|pixel| Vec3::from(pixel.0)).collect()))
 }
@@ -190,7 +203,7 @@ fn decode_exr(bytes: &[u8]) -> std::result::Result<Pixels, String> {
     let metadata =
         MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| e.to_string())?;
     for header in &metadata.headers {
-        check_size(header.layer_size.x() as u64, header.layer_size.y() as u64)?;
+        check_size(header.layer_size.x() as u64, header.layer_size.y() as u64, bytes.len())?;
     }
     let image = read()
         .no_deep_data()
@@ -203,6 +216,8 @@ fn decode_exr(bytes: &[u8]) -> std::result::Result<Pixels, String> {
         )
         .first_valid_layer()
         .all_attributes()
+        // In this thread, where a panic can be caught.
+        .non_parallel()
         .from_buffered(Cursor::new(bytes))
         .map_err(|e| e.to_string())?;
     let layer = image.layer_data;
@@ -286,6 +301,9 @@ mod tests {
         let header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 100000 +X 100000\n";
         let message = decode(header.as_bytes()).unwrap_err();
         assert!(message.contains("100000 × 100000 pixels; the limit is 134217728"), "{message}");
+        let header = header.replace("100000", "10000");
+        let message = decode(header.as_bytes()).unwrap_err();
+        assert!(message.contains("pixels in 53 bytes; the limit is 4194304"), "{message}");
         assert!(decode(b"#?RADIANCE\n").is_err());
         assert!(decode(&EXR_MAGIC).is_err());
         assert!(decode(b"").unwrap_err().contains("neither"));

@@ -10,6 +10,7 @@ mod camera_file;
 mod content_hash;
 mod environment;
 pub mod gltf;
+mod guard;
 mod light;
 mod material;
 mod mesh;

@@ -1,6 +1,6 @@
 //! The parsed JSON of a scene file, and how its objects are named in messages.
 
-use super::limits::Budget;
+use super::limits::{self, Budget};
 use super::motion::RawAnimation;
 use super::skins::RawSkin;
 use super::uri::Reach;
@@ -34,8 +34,11 @@ impl Document {
     /// Parses the JSON text of the scene file `path`, which may name files within `reach`.
     pub(super) fn parse(path: &Path, json: &[u8], reach: Reach, budget: Budget) -> Result<Self> {
         let invalid = |e: &dyn std::fmt::Display| Error::scene(path, format!("not glTF 2.0: {e}"));
+        limits::check_json(json).map_err(|message| Error::scene(path, message))?;
         let mut raw: Value = serde_json::from_slice(json).map_err(|e| invalid(&e))?;
         check_version(&raw).map_err(|e| invalid(&e))?;
+        let materials = raw.get("materials").and_then(Value::as_array).map_or(0, Vec::len);
+        limits::check_materials(materials).map_err(|message| Error::scene(path, message))?;
         normalize_integers(&mut raw).map_err(|e| invalid(&e))?;
         // The crate refuses valid animations whose target is an extension's, and skins.
         let skins = take_list(&mut raw, "skins").map_err(|e| invalid(&e))?;
@@ -70,7 +73,7 @@ impl Document {
         json::Root: json::root::Get<T>,
     {
         match self.root.get(index).and_then(T::name) {
-            Some(name) => format!("{} {index} {name:?}", T::NAME),
+            Some(name) => format!("{} {index} {}", T::NAME, quoted(name)),
             None => format!("{} {index}", T::NAME),
         }
     }
@@ -84,6 +87,15 @@ impl Document {
             Some(name) if !name.is_empty() => name.into(),
             _ => format!("{} {index}", T::NAME),
         }
+    }
+}
+
+/// Text of the file for a message: quoted, escaped, and cut where it is long.
+pub(super) fn quoted(text: &str) -> String {
+    const SHOWN: usize = 80;
+    match text.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{:?}…", &text[..end]),
+        None => format!("{text:?}"),
     }
 }
 

@@ -33,6 +33,10 @@ const SUPPORTED: &[&str] = &[
     "KHR_texture_transform",
 ];
 
+/// Extensions that by their specification change nothing in a picture.
+const WITHOUT_PICTURE: [&str; 4] =
+    ["KHR_xmp", "KHR_xmp_json_ld", "KHR_node_selectability", "KHR_node_hoverability"];
+
 /// Supported where this build has a decoder.
 const DRACO: &str = "KHR_draco_mesh_compression";
 /// Supported where this build has a transcoder.
@@ -48,7 +52,7 @@ fn is_supported(name: &str) -> bool {
 /// extension that occurs.
 pub(super) fn check(document: &Document, notices: &mut Notices) -> Result<()> {
     for name in &document.root.extensions_required {
-        if is_supported(name) {
+        if is_supported(name) || WITHOUT_PICTURE.contains(&name.as_str()) {
             continue;
         }
         let remedy = match name.as_str() {
@@ -65,7 +69,7 @@ pub(super) fn check(document: &Document, notices: &mut Notices) -> Result<()> {
     });
     for name in &document.root.extensions_used {
         if seen.insert(name.clone()) {
-            note(name, "extensionsUsed", notices);
+            note(name, EXTENSIONS_USED, notices);
         }
     }
     Ok(())
@@ -73,6 +77,9 @@ pub(super) fn check(document: &Document, notices: &mut Notices) -> Result<()> {
 
 fn note(name: &str, place: &str, notices: &mut Notices) {
     match name {
+        _ if is_out_of_place(name, place) => {
+            notices.ignored(format!("extension {name} where it has no meaning"), place);
+        }
         "EXT_lights_image_based" => {
             let message = "EXT_lights_image_based: give the light with --environment";
             notices.ignored(message, place);
@@ -80,9 +87,43 @@ fn note(name: &str, place: &str, notices: &mut Notices) {
         _ if is_supported(name) => notices.honoured(name, place),
         // What becomes of the texture is noted where it is read.
         BASIS => {}
-        _ => notices.ignored(format!("extension {}", name.escape_debug()), place),
+        _ if WITHOUT_PICTURE.contains(&name) => {
+            notices.honoured(&format!("{name}: no part of the picture"), place);
+        }
+        _ => notices.ignored(format!("extension {name}"), place),
     }
 }
+
+/// Whether the extension of this name says nothing at this place, by its specification.
+/// Where it is an object of the wrong kind nothing reads it, so it must not be said to be
+/// honoured. Of a name that is not known here the place is not judged.
+fn is_out_of_place(name: &str, place: &str) -> bool {
+    if place == EXTENSIONS_USED {
+        return false;
+    }
+    let kind = place.split('[').next().unwrap_or(place);
+    let kinds: &[&str] = match name {
+        "KHR_lights_punctual" => &[THE_FILE, "nodes"],
+        "EXT_lights_image_based" => &[THE_FILE, "scenes"],
+        "KHR_materials_variants" => &[THE_FILE, "meshes"],
+        "KHR_texture_transform" => &["materials"],
+        "KHR_texture_basisu" | "EXT_texture_webp" => &["textures"],
+        "EXT_mesh_gpu_instancing" | "KHR_node_visibility" => &["nodes"],
+        "KHR_draco_mesh_compression" => &["meshes"],
+        "EXT_meshopt_compression" | "KHR_meshopt_compression" => &["buffers", "bufferViews"],
+        "KHR_animation_pointer" => &["animations"],
+        // Only ever listed.
+        "KHR_mesh_quantization" => &[],
+        _ if name.starts_with("KHR_materials_") => &["materials"],
+        _ => return false,
+    };
+    !kinds.contains(&kind)
+}
+
+/// The place of an extension that is listed and occurs nowhere.
+const EXTENSIONS_USED: &str = "extensionsUsed";
+/// The place of an extension of the file itself.
+const THE_FILE: &str = "the file";
 
 /// Calls `visit(name, place)` for every member of every `extensions` object;
 /// `place` is the top-level object around it, as `materials[3]`.
@@ -97,8 +138,8 @@ fn visit_extensions(raw: &Value, mut visit: impl FnMut(&str, &str)) {
             }
             Value::Object(extensions) if key == "extensions" => {
                 for (name, value) in extensions {
-                    visit(name, "the file");
-                    visit_within(value, "the file", &mut visit);
+                    visit(name, THE_FILE);
+                    visit_within(value, THE_FILE, &mut visit);
                 }
             }
             _ => visit_within(value, &key.escape_debug().to_string(), &mut visit),

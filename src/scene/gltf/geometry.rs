@@ -266,6 +266,10 @@ impl GeometryReader<'_> {
             self.notices.ignored("points and lines: not drawn", what);
             return Ok(None);
         };
+        document
+            .budget
+            .take_triangles(triangles.len() as u64)
+            .map_err(|message| document.error(format!("{what}: {message}")))?;
         if left_over > 0 {
             let message = "indices that make no whole triangle left out";
             self.notices.approximated(message, what);

@@ -7,6 +7,7 @@ use super::limits::MAX_IMAGE_SIDE;
 use super::notices::Notices;
 use super::{ktx2_images, resize};
 use crate::Result;
+use crate::scene::guard::decoding;
 use crate::scene::{ColorSpace, Image};
 use gltf::json;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
@@ -85,7 +86,7 @@ impl<'a> Images<'a> {
     ) -> Result<Vec<Image>> {
         let fail = |what: &str, message| document.error(format!("{what}: {message}"));
         for image in &self.encoded {
-            let size = size(&image.bytes).map_err(|message| fail(&image.what, message))?;
+            let size = decoding(|| size(&image.bytes)).map_err(|message| fail(&image.what, message))?;
             let (width, height) = size;
             document
                 .budget
@@ -96,7 +97,7 @@ impl<'a> Images<'a> {
             .encoded
             .par_iter()
             .map(|image| {
-                let (pixels, notice) = decode(&image.bytes)?;
+                let (pixels, notice) = decoding(|| decode(&image.bytes))?;
                 let longest = pixels.width.max(pixels.height);
                 let pixels = match max_size.filter(|&most| longest > most) {
                     Some(most) => resize::shrink(&pixels, most, image.is_srgb),

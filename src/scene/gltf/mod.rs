@@ -40,6 +40,7 @@ mod triangles;
 mod uri;
 mod uv_sets;
 mod variants;
+mod vocabulary;
 
 use super::{Notice, Scene, Treatment};
 use crate::{Error, Result};
@@ -129,9 +130,11 @@ fn load_within(
     })?;
     let document = &Document::parse(path, container.json, reach, budget)?;
     extensions::check(document, &mut notices)?;
+    vocabulary::check(&document.raw, &mut notices);
     let buffers = &Buffers::load(document, container.bin)?;
 
     let scene = nodes::default_scene(document)?;
+    nodes::note_scene(document, scene, &mut notices);
     let accessors = &Accessors { document, buffers };
     let (animations, pose) = motion::read(accessors, options, &mut notices)?;
     let placements = &nodes::walk(document, scene, &pose, &mut notices)?;

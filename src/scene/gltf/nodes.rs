@@ -10,6 +10,10 @@ use gltf::json::{self, Index};
 /// Why a node that was met before may not be met again.
 const TREE_RULE: &str = "nodes must form trees, without cycles or second parents";
 
+/// How far the length of a rotation may be from 1 by rounding: each of four numbers with
+/// three decimals is off by 5e-4 at most, together at most by twice that.
+const ROTATION_TOLERANCE: f64 = 1e-3;
+
 /// A node of the scene and where it is.
 #[derive(Clone)]
 pub(super) struct Placement {
@@ -30,6 +34,22 @@ pub(super) fn default_scene(document: &Document) -> Result<Option<Index<json::Sc
         document.get(chosen, "the default scene")?;
     }
     Ok(chosen.or_else(|| (!document.root.scenes.is_empty()).then(|| Index::new(0))))
+}
+
+/// Says which of several scenes is drawn.
+pub(super) fn note_scene(
+    document: &Document,
+    scene: Option<Index<json::Scene>>,
+    notices: &mut Notices,
+) {
+    let count = document.root.scenes.len();
+    if let (Some(scene), true) = (scene, count > 1) {
+        let why = match document.root.scene {
+            Some(_) => "the default",
+            None => "the first, where none is the default",
+        };
+        notices.honoured(&format!("one of {count} scenes: {why}"), &document.label(scene));
+    }
 }
 
 /// All nodes of `scene`, or of the whole file without one, in the order of their index.
@@ -74,6 +94,11 @@ pub(super) fn walk(
         placements.push(Placement { node: index, world_from_node, is_visible, weights });
         let children = node.children.iter().flatten();
         pending.extend(children.map(|&child| (child, world_from_node, Some(index), is_visible)));
+    }
+    // Without scenes all nodes are drawn. Those that no root leads to go round in a circle.
+    if let (None, Some(index)) = (scene, is_visited.iter().position(|is_visited| !is_visited)) {
+        let label = document.label::<json::Node>(Index::new(index as u32));
+        return Err(document.error(format!("no root leads to {label}; {TREE_RULE}")));
     }
     placements.sort_by_key(|placement| placement.node.value());
     Ok(placements)
@@ -127,6 +152,9 @@ fn local_transform(
     let length = rotation.length();
     if !(length > 0.0 && length.is_finite()) {
         return error("its rotation is not a quaternion of a positive length");
+    }
+    if (length - 1.0).abs() > ROTATION_TOLERANCE {
+        notices.approximated("rotation whose length is not 1: normalised", &document.label(index));
     }
     Ok(DAffine3::from_scale_rotation_translation(scale, rotation / length, translation))
 }

@@ -2,6 +2,7 @@
 //! the user allows, and data URIs. Nothing else is ever opened, so a scene from a stranger
 //! cannot read other files.
 
+use super::document::quoted;
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
@@ -85,15 +86,6 @@ pub(super) fn resolve(reach: &Reach, uri: &str) -> Result<Resource, String> {
         return Err(format!("the URI {} is not a file", quoted(uri)));
     }
     Ok(Resource::File(canonical))
-}
-
-/// The URI for a message: escaped, and cut where it is long.
-fn quoted(uri: &str) -> String {
-    const SHOWN: usize = 80;
-    match uri.char_indices().nth(SHOWN) {
-        Some((end, _)) => format!("{:?}…", &uri[..end]),
-        None => format!("{uri:?}"),
-    }
 }
 
 /// The scheme of an absolute URI (RFC 3986, 3.1).
