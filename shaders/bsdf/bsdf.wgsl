@@ -147,7 +147,8 @@ fn bsdf_refracts_roughly(b: Bsdf) -> bool {
 fn bsdf_lobes(b: Bsdf, cos_o: f32) -> Lobes {
     let r = bsdf_reflectance(b, cos_o);
     var l: Lobes;
-    l.diffuse = luminance(b.diffuse) * r.under;
+    let under = bsdf_under_lambert(b, cos_o, r.under);
+    l.diffuse = luminance(b.diffuse) * under;
     l.specular = luminance(r.specular);
     l.transmitted = 0.0;
 #if TRANSMISSION
@@ -158,7 +159,7 @@ fn bsdf_lobes(b: Bsdf, cos_o: f32) -> Lobes {
 #endif
     var sum = l.diffuse + l.specular + l.transmitted;
 #if DIFFUSE_TRANSMISSION
-    l.diffuse_below = luminance(b.diffuse_below) * r.under;
+    l.diffuse_below = luminance(b.diffuse_below) * under;
     sum += l.diffuse_below;
 #endif
     let base = bsdf_base_share(b);
@@ -188,6 +189,24 @@ fn bsdf_lobes(b: Bsdf, cos_o: f32) -> Lobes {
     l.coat /= sum;
 #endif
     return l;
+}
+
+// About what the surface leaves to the Lambert lobes; `under` is that of a mirror at wo. Within a
+// volume that can be nothing, by total reflection, where most of the lobe is lit.
+fn bsdf_under_lambert(b: Bsdf, cos_o: f32, under: f32) -> f32 {
+    var is_plain = true;
+#if SPLIT_FRESNEL
+    is_plain = !b.is_split;
+#endif
+#if DIFFUSE_TRANSMISSION
+    is_plain = is_plain && max_component(b.diffuse_below) <= 0.0;
+#endif
+    if is_plain {
+        return under;
+    }
+    // For light from wo itself, and from along the normal.
+    let middle = sqrt(0.5 + 0.5 * cos_o);
+    return 0.5 * (bsdf_reflectance(b, 1.0).under + bsdf_reflectance(b, middle).under);
 }
 
 // Share of the light that the layers above the base leave to it, seen from wo.

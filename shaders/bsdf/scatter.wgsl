@@ -30,7 +30,7 @@ fn bsdf_sample(b: Bsdf, wo: vec3<f32>, u: vec2<f32>, choice: f32) -> BsdfSample 
     var share = 1.0 - mirror - passing;
 #if CLEARCOAT
     let coat = select(lobes.coat, 0.0, b.coat.alpha > 0.0);
-    if x < coat {
+    if coat > 0.0 && x < coat {
         return delta_coat(b, wo, coat, choice);
     }
     x -= coat;
@@ -39,7 +39,7 @@ fn bsdf_sample(b: Bsdf, wo: vec3<f32>, u: vec2<f32>, choice: f32) -> BsdfSample 
     if share <= 0.0 {
         return SAMPLE_NONE;
     }
-    x = min(x / share, ONE_BELOW);
+    x = clamp(x / share, 0.0, ONE_BELOW);
 #else
     let share = 1.0;
 #endif

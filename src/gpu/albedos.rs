@@ -18,14 +18,14 @@ pub(super) fn build(features: Features) -> Vec<f32> {
     values
 }
 
-/// Rows by the square root of alpha, columns by the cube root of cos (1 + w) / (cos + w), where
+/// Rows by the fourth root of alpha, columns by the cube root of cos (1 + w) / (cos + w), where
 /// `width` gives w of alpha.
 fn table(width: impl Fn(f64) -> f64, albedo: impl Fn(f64, f64) -> f64) -> Vec<f32> {
     let place = |k: usize| k as f64 / (SIDE - 1) as f64;
     let least = f64::from(ALBEDO_TABLE_LEAST);
     let mut values = Vec::with_capacity(SIDE * SIDE);
     for row in 0..SIDE {
-        let alpha = (least + place(row) * (1.0 - least)).powi(2);
+        let alpha = (least + place(row) * (1.0 - least)).powi(4);
         let w = width(alpha);
         for column in 0..SIDE {
             let x = place(column).powi(3);
@@ -127,7 +127,7 @@ mod tests {
         let most = (SIDE - 1) as f64;
         let x = (cosine * (1.0 + width) / (cosine + width)).cbrt() * most;
         let least = f64::from(ALBEDO_TABLE_LEAST);
-        let y = (alpha.sqrt() - least) / (1.0 - least) * most;
+        let y = (alpha.sqrt().sqrt() - least) / (1.0 - least) * most;
         let [column, row] = [x, y].map(|c| (c.max(0.0) as usize).min(SIDE - 2));
         let [along, down] = [x - column as f64, y - row as f64];
         let at = |r: usize, c: usize| f64::from(table[r * SIDE + c]);
@@ -150,27 +150,23 @@ mod tests {
         assert!((ggx(1.0, 1.0) - (1.0 - 2.0_f64.ln())).abs() < 1e-4, "{}", ggx(1.0, 1.0));
     }
 
-    /// The numbers that docs/numerics.md has for GGX.
     #[test]
     fn tables_are_close_to_quadrature_between_their_points() {
         let features = Features::default().with(Feature::Sheen).with(Feature::EnergyCompensation);
         let both = build(features);
         let (sheen_table, ggx_table) = both.split_at(SIDE * SIDE);
-        let (mut worst_sheen, mut worst_ggx) = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0));
+        let (mut at_grazing, mut worst_sheen, mut worst_ggx) = (0.0_f64, 0.0_f64, 0.0_f64);
         for (cosine, alpha) in cases() {
             let truth = sheen(cosine, alpha);
-            let error =
-                (read(sheen_table, alpha.sqrt(), cosine, alpha) - truth).abs() / truth.max(1.0);
-            if error > worst_sheen.0 {
-                worst_sheen = (error, cosine, alpha);
-            }
+            let error = (read(sheen_table, alpha.sqrt(), cosine, alpha) - truth).abs();
+            let error = error / truth.max(1.0);
+            let worst = if cosine < 0.01 { &mut at_grazing } else { &mut worst_sheen };
+            *worst = worst.max(error);
             let error = (read(ggx_table, alpha, cosine, alpha) - ggx(cosine, alpha)).abs();
-            if error > worst_ggx.0 {
-                worst_ggx = (error, cosine, alpha);
-            }
+            worst_ggx = worst_ggx.max(error);
         }
-        println!("sheen {worst_sheen:?} ggx {worst_ggx:?}");
-        let _ = ();
-        assert!(worst_sheen.0 < 0.03 && worst_ggx.0 < 4e-3);
+        println!("sheen {worst_sheen:.2e}, at grazing {at_grazing:.2e}; GGX {worst_ggx:.2e}");
+        // Absolute up to 1, relative above.
+        assert!(worst_sheen < 0.01 && at_grazing < 0.1 && worst_ggx < 3e-3);
     }
 }

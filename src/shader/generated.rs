@@ -26,9 +26,9 @@ const SCAN_THREADS: u32 = 64;
 /// The list of active pixels is filled up to a multiple of this: the largest workgroup.
 pub const LIST_PADDING: u32 = 256;
 /// Rows, and columns, of a table of directional albedos.
-pub const ALBEDO_TABLE_SIDE: u32 = 32;
-/// Square root of the alpha of its first row; the last one's is 1.
-pub const ALBEDO_TABLE_LEAST: f32 = 0.031_622_775;
+pub const ALBEDO_TABLE_SIDE: u32 = 48;
+/// Fourth root of the alpha of its first row; the last one's is 1.
+pub const ALBEDO_TABLE_LEAST: f32 = 0.177_827_94;
 /// `vec4`s of an instance's record in the node buffer.
 pub const TREE_RECORD_SIZE: u32 = 8;
 

@@ -13,7 +13,14 @@ use steradian::{RenderSettings, Renderer};
 const INDEX: f32 = 1.5;
 
 fn glass() -> Material {
-    Material { metallic: 0.0, transmission: 1.0, volume: true, ior: INDEX, ..Material::default() }
+    Material {
+        metallic: 0.0,
+        roughness: 0.0,
+        transmission: 1.0,
+        volume: true,
+        ior: INDEX,
+        ..Material::default()
+    }
 }
 
 /// Pixels of a picture, with a part of a shader replaced.

@@ -1,5 +1,4 @@
-//! BSDFs. G8 is left out: no rough interface that light passes is modelled; the loader
-//! says of such a material that it is rendered as smooth.
+//! BSDFs.
 
 mod albedo;
 mod definition;
@@ -8,6 +7,7 @@ mod fresnel;
 mod ggx;
 mod glass;
 mod limits;
+mod lobes;
 mod samples;
 
 use crate::common::{Call, Random, harness};

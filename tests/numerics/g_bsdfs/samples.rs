@@ -16,11 +16,14 @@ fn lobes(b: &Input) -> [f64; 3] {
     let schlick = |f0: f32, f90: f32| definition::schlick(f0.into(), f90.into(), cos_o);
     let specular =
         Vec3::from(b.specular_f0.to_array().map(|f0| schlick(f0, b.specular_f90) as f32));
-    let diffuse = luminance(b.diffuse) * (1.0 - schlick(b.diffuse_f0, b.diffuse_f90));
+    let mut diffuse = luminance(b.diffuse) * (1.0 - schlick(b.diffuse_f0, b.diffuse_f90));
     let [mut specular, mut transmitted] = [luminance(specular), 0.0];
     if b.transmitted.max_element() > 0.0 {
         let f = definition::fresnel(cos_o, b.eta.into()).map_or(1.0, |(f, _)| f);
         (specular, transmitted) = (f, luminance(b.transmitted) * (1.0 - f));
+        let under =
+            |cosine: f64| 1.0 - definition::fresnel(cosine, b.eta.into()).map_or(1.0, |(f, _)| f);
+        diffuse = luminance(b.diffuse) * 0.5 * (under(1.0) + under((0.5 + 0.5 * cos_o).sqrt()));
     }
     let sum = diffuse + specular + transmitted;
     [diffuse / sum, specular / sum, transmitted / sum]

@@ -17,7 +17,14 @@ const SURVIVAL: &str = "const DELTA_SURVIVAL: f32 = 1.0 - 1.0 / 256.0;";
 const FOR_EVER: &str = "const DELTA_SURVIVAL: f32 = 1.0;";
 
 fn glass() -> Material {
-    Material { metallic: 0.0, transmission: 1.0, volume: true, ior: INDEX, ..Material::default() }
+    Material {
+        metallic: 0.0,
+        roughness: 0.0,
+        transmission: 1.0,
+        volume: true,
+        ior: INDEX,
+        ..Material::default()
+    }
 }
 
 /// Pixels, and samples that a loop's bound cut off; no other fault. One sample a submission, for
