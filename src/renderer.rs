@@ -69,7 +69,7 @@ impl Renderer {
         tuning: &Tuning,
     ) -> Result<Self> {
         settings.validate(scene)?;
-        let prepared = PreparedScene::new(device, scene, settings.accel)?;
+        let prepared = PreparedScene::new(device, scene, settings)?;
         Self::of_prepared(Arc::new(prepared), scene, settings, tuning)
     }
 

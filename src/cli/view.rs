@@ -57,7 +57,7 @@ pub(super) fn run(call: &Call, job: &Job, view: View) -> Result<ExitCode> {
     let rays = call.flags.job.stopping.spp.unwrap_or(DEFAULT_RAYS);
     let tuning = Tuning::default();
     let hits = while_busy(verbosity, "building trees, tracing camera rays", || {
-        let prepared = PreparedScene::new(device.clone(), &job.scene, job.settings.accel)?;
+        let prepared = PreparedScene::new(device.clone(), &job.scene, &job.settings)?;
         let counts_visits = view == View::NodeVisits;
         let mut hits = prepared.first_hits(&job.scene, &job.settings, counts_visits, &tuning)?;
         hits.run(&device, rays)?;

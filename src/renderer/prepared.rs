@@ -23,16 +23,17 @@ pub struct PreparedScene {
 }
 
 impl PreparedScene {
-    /// Builds trees and uploads.
+    /// Builds trees and uploads. Of `settings` the acceleration structure and the energy
+    /// compensation count.
     ///
     /// # Errors
     /// [`crate::Error::Limit`], [`crate::Error::DeviceLost`].
-    pub fn new(device: Arc<Device>, scene: &Scene, accel: Accel) -> Result<Self> {
+    pub fn new(device: Arc<Device>, scene: &Scene, settings: &RenderSettings) -> Result<Self> {
         let begin = Instant::now();
+        let accel = settings.accel;
         let has_packets = device.traces_packets() && accel != Accel::None;
         let width = if has_packets { TreeWidth::Four } else { TreeWidth::Two };
-        let settings = RenderSettings { accel, ..RenderSettings::default() };
-        let built = SceneBuffers::build(scene, &settings, width)?;
+        let built = SceneBuffers::build(scene, settings, width)?;
         let bvh_seconds = begin.elapsed().as_secs_f64();
         let buffers = built.upload(&device)?;
         let world = built.world.statistics();

@@ -51,7 +51,7 @@ impl Film {
         let phase = base.map(|base| PI + if base < film { PI } else { 0.0 });
         let path = 2.0 * film * self.thickness * cos_within;
 
-        let both = (bottom * top).clamp(DVec3::splat(1e-5), DVec3::splat(0.9999));
+        let both = (bottom * top).clamp(DVec3::ZERO, DVec3::splat(0.9999));
         let round_trip = both.map(f64::sqrt);
         let through = (1.0 - top).powi(2) * bottom / (DVec3::ONE - both);
         let mut sum = through + top;

@@ -15,14 +15,17 @@ pub(super) struct Sheen {
     alpha: f64,
     /// Largest component of the colour times the albedo towards the eye.
     taken: f64,
+    /// Albedo of white towards the eye; may exceed 1.
+    white: f64,
 }
 
 impl Sheen {
     /// `None` without a colour.
     pub(super) fn new(color: DVec3, roughness: f64, cos_o: f64) -> Option<Self> {
         let alpha = (roughness * roughness).max(1e-3);
-        let taken = color.max_element() * ALBEDO.at(cos_o, alpha).min(1.0);
-        (color.max_element() > 0.0).then_some(Self { color, alpha, taken })
+        let white = ALBEDO.at(cos_o, alpha);
+        let taken = color.max_element() * white.min(1.0);
+        (color.max_element() > 0.0).then_some(Self { color, alpha, taken, white })
     }
 
     /// The share of light that the base keeps where it scatters it to a cosine of `cos_i`.
@@ -36,11 +39,13 @@ impl Sheen {
         self.taken + 0.05 * self.color.max_element()
     }
 
-    /// BRDF times cosine for directions above the surface.
+    /// BRDF times cosine for directions above the surface. The fit reflects more than arrives
+    /// where fibres are smooth and the light grazes: there it is divided by its own albedo.
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3, normal: DVec3) -> DVec3 {
         let half = (wo + wi).normalize();
         let sin = normal.cross(half).length();
-        self.color * value(sin, normal.dot(wo), normal.dot(wi), self.alpha)
+        let excess = self.white.max(ALBEDO.at(normal.dot(wi), self.alpha)).max(1.0);
+        self.color * (value(sin, normal.dot(wo), normal.dot(wi), self.alpha) / excess)
     }
 }
 

@@ -202,7 +202,7 @@ fn load(
     let (environment, own_camera_count) = (scene.environment.clone(), scene.cameras.len());
     let job = Job::of(scene, flags, begin)?;
     tell("building trees");
-    let prepared = Arc::new(PreparedScene::new(device, &job.scene, job.settings.accel)?);
+    let prepared = Arc::new(PreparedScene::new(device, &job.scene, &job.settings)?);
     tell("compiling shaders");
     // Kernels stay with the device: the first picture finds this one ready.
     let small = in_motion(&job.settings, COARSEST);

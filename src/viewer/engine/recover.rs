@@ -53,8 +53,8 @@ impl Engine {
         self.open_device()?;
         if let (Some(stage), Some(device)) = (&mut self.stage, &self.device) {
             let scene = &stage.job.scene;
-            let accel = stage.job.settings.accel;
-            stage.prepared = Arc::new(PreparedScene::new(device.clone(), scene, accel)?);
+            let settings = &stage.job.settings;
+            stage.prepared = Arc::new(PreparedScene::new(device.clone(), scene, settings)?);
         }
         self.resume_at = Instant::now();
         self.link.tell(|report| report.phase = Phase::Rendering);

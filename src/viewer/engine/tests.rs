@@ -191,7 +191,7 @@ fn views_are_those_of_the_library() {
     let light = bench.wait_until_done();
     let job = Job::new(&scene, &flags(&words)).unwrap();
     let device = Arc::new(Device::open(None).unwrap());
-    let prepared = PreparedScene::new(device.clone(), &job.scene, job.settings.accel).unwrap();
+    let prepared = PreparedScene::new(device.clone(), &job.scene, &job.settings).unwrap();
     for view in [View::Normals, View::Material, View::NodeVisits] {
         wish.view = Some(view);
         bench.send(&wish);
