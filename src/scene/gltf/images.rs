@@ -86,7 +86,8 @@ impl<'a> Images<'a> {
     ) -> Result<Vec<Image>> {
         let fail = |what: &str, message| document.error(format!("{what}: {message}"));
         for image in &self.encoded {
-            let size = decoding(|| size(&image.bytes)).map_err(|message| fail(&image.what, message))?;
+            let size =
+                decoding(|| size(&image.bytes)).map_err(|message| fail(&image.what, message))?;
             let (width, height) = size;
             document
                 .budget
