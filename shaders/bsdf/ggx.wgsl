@@ -4,19 +4,15 @@
 #import sample/warp
 #import bsdf/width
 
-#if ANISOTROPY
-// Width along y over width along x; exactly 1 where they are one.
-fn ggx_ratio(alpha: GgxWidth) -> f32 {
-    return select(alpha.y / alpha.x, 1.0, alpha.x == alpha.y);
-}
-#endif
-
 // Density of microfacet normals, per solid angle of h.
 fn ggx_d(alpha: GgxWidth, h: vec3<f32>) -> f32 {
 #if ANISOTROPY
-    let ratio = ggx_ratio(alpha);
     let a2 = alpha.x * alpha.y;
-    let e = h.z * h.z * a2 + h.x * h.x * ratio + h.y * h.y / ratio;
+    var e = h.z * h.z * a2 + h.x * h.x + h.y * h.y;
+    if alpha.x != alpha.y {
+        let ratio = alpha.y / alpha.x;
+        e = h.z * h.z * a2 + h.x * h.x * ratio + h.y * h.y / ratio;
+    }
 #else
     let a2 = alpha * alpha;
     let e = h.z * h.z * a2 + h.x * h.x + h.y * h.y;
@@ -27,8 +23,11 @@ fn ggx_d(alpha: GgxWidth, h: vec3<f32>) -> f32 {
 // sqrt(cos² + α² sin²): Smith's G1 is 2 cos / (cos + this).
 fn ggx_smith(alpha: GgxWidth, w: vec3<f32>) -> f32 {
 #if ANISOTROPY
-    let ratio = ggx_ratio(alpha);
-    return sqrt(w.z * w.z + alpha.x * alpha.x * (w.x * w.x + w.y * w.y * (ratio * ratio)));
+    if alpha.x != alpha.y {
+        let v = alpha * w.xy;
+        return sqrt(w.z * w.z + dot(v, v));
+    }
+    return sqrt(w.z * w.z + alpha.x * alpha.x * (w.x * w.x + w.y * w.y));
 #else
     return sqrt(w.z * w.z + alpha * alpha * (w.x * w.x + w.y * w.y));
 #endif

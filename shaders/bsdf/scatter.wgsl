@@ -75,7 +75,7 @@ fn delta_transmit(b: Bsdf, wo: vec3<f32>, probability: f32, choice: f32) -> Bsdf
     }
     let scale = b.eta * b.eta;
     let wi = dielectric_refract(wo, b.eta, f.cos_t);
-    return BsdfSample(wi, PDF_DELTA, weight * bsdf_base_factor(b, wi.z) * scale, scale, choice);
+    return BsdfSample(wi, PDF_DELTA, bsdf_base_factor(b, wi.z) * weight * scale, scale, choice);
 }
 #endif
 

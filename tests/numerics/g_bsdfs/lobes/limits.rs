@@ -3,7 +3,53 @@
 use super::{Input, list, plain, run, scene_of};
 use crate::common::{Random, assert_at_most, assert_naive_fails};
 use glam::Vec3;
+use steradian::RenderSettings;
 use steradian::scene::Material;
+
+/// Extensions at their neutral values change no bit of what a material does.
+#[test]
+fn neutral_extensions_change_nothing() {
+    let neutral = |m: &Material| Material {
+        clearcoat: list::coat(0.0, 0.5),
+        sheen: list::sheen(Vec3::ZERO, 0.5),
+        iridescence: list::film(0.0, 1.3, 400.0),
+        anisotropy: list::stretched(0.0, 0.5),
+        diffuse_transmission: list::leaf(0.0, Vec3::ONE),
+        dispersion: 0.0,
+        ..m.clone()
+    };
+    let all = RenderSettings { all_features: true, ..plain() };
+    for m in [
+        list::paint(0.5),
+        list::paint(0.0),
+        list::metal(0.4),
+        Material { metallic: 0.5, base_color: Vec3::new(0.8, 0.4, 0.1), ..list::paint(0.6) },
+        list::glass(0.0, 1.5),
+        list::glass(0.5, 1.5),
+        Material { volume: false, transmission: 0.5, ..list::glass(0.5, 1.5) },
+    ] {
+        let scene = scene_of(std::slice::from_ref(&m));
+        let with = scene_of(&[neutral(&m)]);
+        let mut random = Random(8);
+        let mut inputs = Vec::new();
+        for is_front in [true, false] {
+            for i in Input::new(0, is_front, 0.6).sampled(4096, &mut random) {
+                inputs.push(Input { wi: random.direction(), ..i });
+            }
+        }
+        let specialised = run(&scene, &plain(), &inputs);
+        for (scene, settings) in [(&scene, &all), (&with, &plain()), (&with, &all)] {
+            let other = run(scene, settings, &inputs);
+            let mut differ = specialised
+                .iter()
+                .zip(&other)
+                .filter(|(a, b)| bytemuck::bytes_of(*a) != bytemuck::bytes_of(*b));
+            if let Some(first) = differ.next() {
+                panic!("{} of {}: {m:?}: {first:?}", 1 + differ.count(), inputs.len());
+            }
+        }
+    }
+}
 
 /// What a smooth base reflects under a film, over that without: at the cosine `cos_o`.
 fn filmed(base: &Material, thickness: f32, cos_o: f32) -> f64 {
