@@ -26,7 +26,7 @@ fn compressed(stream: &[u8]) -> Fixture {
 #[cfg(not(feature = "draco"))]
 #[test]
 fn without_the_feature_the_refusal_names_it() {
-    assert_contains(&compressed(&[]).refusal(), "build with `--features draco`");
+    assert_contains(&compressed(&[]).refusal(), "a build with the cargo feature `draco`");
 }
 
 #[cfg(feature = "draco")]

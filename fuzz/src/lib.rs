@@ -7,6 +7,13 @@ pub mod edit;
 pub mod error;
 #[path = "../../src/scene/mod.rs"]
 pub mod scene;
+#[path = "../../src/image/srgb.rs"]
+mod srgb;
+
+/// Of the module of this name, what reading scenes needs.
+mod image {
+    pub(crate) use super::srgb::*;
+}
 
 pub use error::{Error, Result};
 

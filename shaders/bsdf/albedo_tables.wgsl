@@ -1,5 +1,5 @@
 // Directional albedos of lobes that have no closed form, by quadrature on the host.
-#import math/math
+#import math/exponential
 
 // Values of ALBEDO_TABLE_SIDE rows of as many, of sheen and of GGX; rows by the fourth root of
 // alpha, columns by the cube root of cos (1 + w) / (cos + w), where w is how wide the lobe is.
@@ -13,7 +13,7 @@ fn albedo_texel(first: u32, row: u32, column: u32) -> f32 {
 fn albedo_of(first: u32, cosine: f32, width: f32, alpha: f32) -> f32 {
     let most = f32(ALBEDO_TABLE_SIDE - 1u);
     let c = min(cosine, 1.0);
-    let x = pow(max(c * (1.0 + width) / (c + width), 1e-30), 1.0 / 3.0) * most;
+    let x = exp_accurate(log_accurate(max(c * (1.0 + width) / (c + width), 1e-30)) / 3.0) * most;
     let y = (sqrt(sqrt(alpha)) - ALBEDO_TABLE_LEAST) / (1.0 - ALBEDO_TABLE_LEAST) * most;
     let column = min(u32(max(x, 0.0)), ALBEDO_TABLE_SIDE - 2u);
     let row = min(u32(max(y, 0.0)), ALBEDO_TABLE_SIDE - 2u);

@@ -1,6 +1,7 @@
 // Interference in a thin film (Belcour and Barla 2017, "A Practical Extension to Microfacet Theory
 // for the Modeling of Varying Iridescence"), with the simplifications of KHR_materials_iridescence:
 // Schlick's reflectances, phase jumps of 0 or half a turn, two orders, air outside.
+#import math/exponential
 #import math/math
 #import bsdf/fresnel
 
@@ -21,10 +22,10 @@ fn film_sensitivity(difference: f32, jumps: vec3<f32>) -> vec3<f32> {
     // Turns less whole turns: the cosine of a small angle.
     let turns = vec3<f32>(1.6810e6, 1.7953e6, 2.2084e6) * path + 0.5 * jumps;
     let wave = cos(2.0 * PI * (turns - round(turns)));
-    let fade = exp(vec3<f32>(-4.3278e9, -9.3046e9, -6.6121e9) * (k * k));
+    let fade = exp_accurate3(vec3<f32>(-4.3278e9, -9.3046e9, -6.6121e9) * (k * k));
     var xyz = vec3<f32>(FILM_X, FILM_Y, FILM_Z) * wave * fade;
     let second = 2.2399e6 * path + 0.5 * jumps.x;
-    xyz.x += FILM_X2 * cos(2.0 * PI * (second - round(second))) * exp(-4.5282e9 * (k * k));
+    xyz.x += FILM_X2 * cos(2.0 * PI * (second - round(second))) * exp_accurate(-4.5282e9 * (k * k));
     return vec3<f32>(
         3.2404542 * xyz.x - 1.5371385 * xyz.y - 0.4985314 * xyz.z,
         -0.9692660 * xyz.x + 1.8760108 * xyz.y + 0.0415560 * xyz.z,

@@ -25,6 +25,10 @@ fn log_accurate(x: f32) -> f32 {
     return e * 0.69314718 + log_near_one(m - 1.0);
 }
 
+fn exp_accurate3(x: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(exp_accurate(x.x), exp_accurate(x.y), exp_accurate(x.z));
+}
+
 // 0 below exp(-87), and not above exp(87).
 fn exp_accurate(x: f32) -> f32 {
     if x < -87.0 {

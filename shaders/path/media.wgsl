@@ -3,11 +3,10 @@
 // than four in each other the outermost is forgotten. Nothing is known of a volume around the camera.
 #import geometry/surface
 #import material/material
+#import math/exponential
 
-// Optical depths beyond let nothing through.
-const MEDIA_LARGEST_DEPTH: f32 = 200.0;
 // The length of a segment that meets nothing, metres.
-const MEDIA_FAR: f32 = 1e30;
+const MEDIA_FAR: f32 = 1e18;
 
 fn media_none() -> vec4<u32> {
     return vec4<u32>(INVALID);
@@ -52,7 +51,7 @@ fn media_transmittance(media: vec4<u32>, distance: f32) -> vec3<f32> {
         return vec3<f32>(1.0);
     }
     let absorption = materials[media.x].absorption;
-    return exp(-min(absorption * distance, vec3<f32>(MEDIA_LARGEST_DEPTH)));
+    return exp_accurate3(-absorption * distance);
 }
 
 // What a ray that leaves the surface lets through on all of its length.

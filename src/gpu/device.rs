@@ -203,8 +203,10 @@ impl Device {
     /// A buffer that shaders can read and copies can fill.
     pub(crate) fn storage_buffer(&self, label: &str, bytes: &[u8]) -> wgpu::Buffer {
         use wgpu::util::DeviceExt;
-        // A binding of no bytes is invalid: an array that the scene leaves empty holds zeros.
-        let padding = [0_u8; 128];
+        // A binding must have room for one element: an array that the scene leaves empty holds
+        // zeros.
+        const LARGEST_ELEMENT: usize = size_of::<super::GpuMaterial>();
+        let padding = [0_u8; LARGEST_ELEMENT];
         let contents = if bytes.is_empty() { &padding[..] } else { bytes };
         self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some(label),

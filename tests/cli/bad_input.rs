@@ -85,14 +85,14 @@ fn an_unusable_scene_exits_with_3() {
     let program = Program::new();
     std::fs::write(program.path("empty.glb"), b"").unwrap();
     std::fs::write(program.path("text.gltf"), b"no JSON").unwrap();
-    scene::write(&program.path("sheen.gltf"), &scene::triangle_with_unknown_extension());
+    scene::write(&program.path("glitter.gltf"), &scene::triangle_with_unknown_extension());
     let before = program.files();
     let cases: &[(&[&str], &str)] = &[
         (&["missing.gltf"], "missing.gltf"),
         (&["."], "."),
         (&["empty.glb"], "empty.glb"),
         (&["text.gltf"], "text.gltf"),
-        (&["sheen.gltf", "--strict"], "KHR_materials_sheen"),
+        (&["glitter.gltf", "--strict"], "KHR_materials_glitter"),
         (&[QUAD_LIGHT, "--environment", "missing.hdr"], "missing.hdr"),
         (&[QUAD_LIGHT, "--environment", "empty.glb"], "empty.glb"),
         (&[QUAD_LIGHT, "--camera", "missing.json"], "missing.json"),

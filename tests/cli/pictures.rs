@@ -199,12 +199,16 @@ fn statistics_are_complete_and_consistent() {
 #[test]
 fn what_is_not_honoured_is_said_unless_quiet() {
     let program = Program::new();
-    let path = program.path("sheen.gltf");
+    let path = program.path("glitter.gltf");
     scene::write(&path, &scene::triangle_with_unknown_extension());
-    let flags = ["render", "sheen.gltf", "-o", "a.png", "--scale", "0.02", "--stats", "s.json"];
+    let flags = ["render", "glitter.gltf", "-o", "a.png", "--scale", "0.02", "--stats", "s.json"];
     let output = program.run(&flags);
     assert_eq!(output.status.code(), Some(0), "{}", talk(&output));
-    assert!(talk(&output).contains("ignored: extension KHR_materials_sheen"), "{}", talk(&output));
+    assert!(
+        talk(&output).contains("ignored: extension KHR_materials_glitter"),
+        "{}",
+        talk(&output)
+    );
     // 512 rows and the camera's aspect ratio of 2, scaled.
     let stats = read_json(&program.path("s.json"));
     assert_eq!([&stats["width"], &stats["height"]], [20, 10]);
@@ -212,6 +216,6 @@ fn what_is_not_honoured_is_said_unless_quiet() {
     let quiet = program.run(&[&flags[..], &["-q"]].concat());
     assert_eq!(quiet.status.code(), Some(0));
     assert!(quiet.stderr.is_empty() && quiet.stdout.is_empty(), "{}", talk(&quiet));
-    let info = program.succeed(&["info", "sheen.gltf"]);
-    assert!(info.contains("ignored       extension KHR_materials_sheen"), "{info}");
+    let info = program.succeed(&["info", "glitter.gltf"]);
+    assert!(info.contains("ignored       extension KHR_materials_glitter"), "{info}");
 }

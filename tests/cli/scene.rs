@@ -41,9 +41,9 @@ pub(crate) fn triangle() -> Value {
 /// As [`triangle`], with an extension that Steradian does not know.
 pub(crate) fn triangle_with_unknown_extension() -> Value {
     let mut scene = triangle();
-    scene["extensionsUsed"] = json!(["KHR_materials_sheen"]);
+    scene["extensionsUsed"] = json!(["KHR_materials_glitter"]);
     scene["materials"][0]["extensions"] =
-        json!({ "KHR_materials_sheen": { "sheenColorFactor": [1.0, 1.0, 1.0] } });
+        json!({ "KHR_materials_glitter": { "glitterFactor": 1.0 } });
     scene
 }
 

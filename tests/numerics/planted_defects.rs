@@ -11,15 +11,18 @@ type Defect = (&'static str, &'static str, &'static str);
 
 const COSINE: Defect = (
     "bsdf/bsdf",
-    "bsdf_below_coat(b, cos_h) * lambert_pdf(wi)",
-    "bsdf_below_coat(b, cos_h) * select(lambert_pdf(wi), INV_PI, DEFECT)",
+    "b.diffuse * (r.under * lambert_pdf(wi))",
+    "b.diffuse * (r.under * select(lambert_pdf(wi), INV_PI, DEFECT))",
 );
-const LOBE: Defect =
-    ("bsdf/smooth", "    return pdf;", "    return select(1.0, 1.02, DEFECT) * pdf;");
+const LOBE: Defect = (
+    "bsdf/smooth",
+    "coat_pdf(b, wo, wi);\n#endif\n    return pdf;",
+    "coat_pdf(b, wo, wi);\n#endif\n    return select(1.0, 1.02, DEFECT) * pdf;",
+);
 const TRIANGLE: Defect = (
     "light/triangle",
-    "select(l.pmf * d * d / projected,",
-    "select(select(1.0, 1.02, DEFECT) * l.pmf * d * d / projected,",
+    "select(probability * d * d / projected,",
+    "select(select(1.0, 1.02, DEFECT) * probability * d * d / projected,",
 );
 const SPHERE: Defect = (
     "light/sphere",

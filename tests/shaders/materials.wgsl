@@ -40,7 +40,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let frame_s = material_frame(m, s);
     s.wo = frame_s * i.wo.xyz;
 #if CLEARCOAT
-    s.nv = surface_bend(frame_s * i.normal.xyz, s.wo);
+    s.nv = frame_s * i.normal.xyz;
 #endif
     let eta = material_eta(m, s, INVALID, i.u.w);
     let b = material_bsdf(m, s, frame_s, eta);

@@ -8,7 +8,7 @@ use crate::common::{
 use crate::probe::{Probe, probe_tree};
 use glam::{Affine3A, DVec3, Vec3};
 use steradian::bvh::AnchoredSphere;
-use steradian::scene::LightKind;
+use steradian::scene::{LightKind, Material};
 
 const RADII: [f32; 5] = [1e2, 1e4, 1e5, 1e6, 1e7];
 const EYE: Vec3 = Vec3::new(0.0, 1.7, 0.0);
@@ -143,7 +143,8 @@ fn d1_a_contact_shadow_is_that_on_a_plane() {
             stage.place(plane, Affine3A::IDENTITY);
         }
         let center = Vec3::new(4.2, 0.25, 0.0);
-        stage.quad(center, Vec3::Y * 0.25, Vec3::Z * 0.3, lambert(0.0));
+        let wall = Material { double_sided: true, ..lambert(0.0) };
+        stage.quad(center, Vec3::Y * 0.25, Vec3::Z * 0.3, wall);
         let direction = Vec3::new(-1.0, -1.0, 0.3).normalize();
         stage.light(LightKind::Directional { direction }, 1.0);
         grey(&render(&stage.scene, &settings(48, 48, 256)))

@@ -154,7 +154,13 @@ fn g10_smooth_normals_make_no_light() {
         let what = format!("16x8 ball, {name}, in a furnace: brightest pixel less 1");
         assert_at_most("G10", &what, most - 1.0, 2e-6);
         let paths = Estimate::of(&pixels);
-        report("G10", &format!("16x8 ball, {name}: light lost"), 1.0 - paths.mean);
+        let what = format!("16x8 ball, {name}: light lost");
+        if name == "mirror" {
+            // Shading normals are turned until every reflection leaves the surface.
+            assert_at_most("G10", &what, (1.0 - paths.mean).abs(), 2e-6);
+            continue;
+        }
+        report("G10", &what, 1.0 - paths.mean);
 
         let with_light_samples = RenderSettings { strategy: Strategy::Mis, ..settings };
         let mis = Estimate::of(&render_with(&stage.scene, &with_light_samples, None));

@@ -183,7 +183,7 @@ fn g3_no_lobe_gives_a_number_that_is_not_finite() {
     const MATERIALS: usize = 256;
     const EACH: usize = 4096;
     let mut random = Random(31);
-    let mut pick = |values: &[f32], random: &mut Random| {
+    let pick = |values: &[f32], random: &mut Random| {
         let k = (random.unit() * (values.len() + 1) as f32) as usize;
         values.get(k).copied().unwrap_or_else(|| random.unit())
     };
@@ -217,7 +217,7 @@ fn g3_no_lobe_gives_a_number_that_is_not_finite() {
         for k in 0..MATERIALS {
             for _ in 0..EACH {
                 let r = &mut random;
-                let mut upper = |r: &mut Random| {
+                let upper = |r: &mut Random| {
                     let mut w = r.direction();
                     if r.unit() < 0.3 {
                         w.z *= [1e-1, 1e-3, 1e-4][(r.unit() * 3.0) as usize];
