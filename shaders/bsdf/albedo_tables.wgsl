@@ -3,7 +3,7 @@
 
 // Values of ALBEDO_TABLE_SIDE rows of as many, of sheen and of GGX; rows by the fourth root of
 // alpha, columns by the cube root of cos (1 + w) / (cos + w), where w is how wide the lobe is.
-@group(0) @binding(9) var<uniform> albedos: array<vec4<f32>, ALBEDO_TABLE_LENGTH>;
+@group(0) @binding(12) var<uniform> albedos: array<vec4<f32>, ALBEDO_TABLE_LENGTH>;
 
 fn albedo_texel(first: u32, row: u32, column: u32) -> f32 {
     let at = first + row * ALBEDO_TABLE_SIDE + column;

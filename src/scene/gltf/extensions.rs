@@ -63,21 +63,21 @@ pub(super) fn check(document: &Document, notices: &mut Notices) -> Result<()> {
         return Err(document.error(format!("the file requires the extension {name:?}: {remedy}")));
     }
     let mut seen = BTreeSet::new();
-    visit_extensions(&document.raw, |name, place| {
+    visit_extensions(&document.raw, |name, place, is_own| {
         seen.insert(name.to_owned());
-        note(name, place, notices);
+        note(name, place, is_own, notices);
     });
     for name in &document.root.extensions_used {
         if seen.insert(name.clone()) {
-            note(name, EXTENSIONS_USED, notices);
+            note(name, EXTENSIONS_USED, true, notices);
         }
     }
     Ok(())
 }
 
-fn note(name: &str, place: &str, notices: &mut Notices) {
+fn note(name: &str, place: &str, is_own: bool, notices: &mut Notices) {
     match name {
-        _ if is_out_of_place(name, place) => {
+        _ if is_out_of_place(name, place, is_own) => {
             notices.ignored(format!("extension {name} where it has no meaning"), place);
         }
         "EXT_lights_image_based" => {
@@ -97,7 +97,8 @@ fn note(name: &str, place: &str, notices: &mut Notices) {
 /// Whether the extension of this name says nothing at this place, by its specification.
 /// Where it is an object of the wrong kind nothing reads it, so it must not be said to be
 /// honoured. Of a name that is not known here the place is not judged.
-fn is_out_of_place(name: &str, place: &str) -> bool {
+/// `is_own`: it belongs to the object at `place` itself, not to one within.
+fn is_out_of_place(name: &str, place: &str, is_own: bool) -> bool {
     if place == EXTENSIONS_USED {
         return false;
     }
@@ -114,6 +115,7 @@ fn is_out_of_place(name: &str, place: &str) -> bool {
         "KHR_animation_pointer" => &["animations"],
         // Only ever listed.
         "KHR_mesh_quantization" => &[],
+        _ if name.starts_with("KHR_materials_") && !is_own => &[],
         _ if name.starts_with("KHR_materials_") => &["materials"],
         _ => return false,
     };
@@ -125,9 +127,9 @@ const EXTENSIONS_USED: &str = "extensionsUsed";
 /// The place of an extension of the file itself.
 const THE_FILE: &str = "the file";
 
-/// Calls `visit(name, place)` for every member of every `extensions` object;
-/// `place` is the top-level object around it, as `materials[3]`.
-fn visit_extensions(raw: &Value, mut visit: impl FnMut(&str, &str)) {
+/// Calls `visit(name, place, is_own)` for every member of every `extensions` object;
+/// `place` is the top-level object around it, as `materials[3]`, and whether it is that object's own.
+fn visit_extensions(raw: &Value, mut visit: impl FnMut(&str, &str, bool)) {
     let Value::Object(members) = raw else { return };
     for (key, value) in members {
         match value {
@@ -138,7 +140,7 @@ fn visit_extensions(raw: &Value, mut visit: impl FnMut(&str, &str)) {
             }
             Value::Object(extensions) if key == "extensions" => {
                 for (name, value) in extensions {
-                    visit(name, THE_FILE);
+                    visit(name, THE_FILE, true);
                     visit_within(value, THE_FILE, &mut visit);
                 }
             }
@@ -147,17 +149,17 @@ fn visit_extensions(raw: &Value, mut visit: impl FnMut(&str, &str)) {
     }
 }
 
-fn visit_within(value: &Value, place: &str, visit: &mut impl FnMut(&str, &str)) {
-    let mut pending = vec![value];
-    while let Some(value) = pending.pop() {
+fn visit_within(value: &Value, place: &str, visit: &mut impl FnMut(&str, &str, bool)) {
+    let mut pending = vec![(value, true)];
+    while let Some((value, is_own)) = pending.pop() {
         match value {
-            Value::Array(items) => pending.extend(items),
+            Value::Array(items) => pending.extend(items.iter().map(|item| (item, false))),
             Value::Object(members) => {
                 for (key, member) in members.iter().filter(|(key, _)| *key != "extras") {
                     if let ("extensions", Value::Object(extensions)) = (key.as_str(), member) {
-                        extensions.keys().for_each(|name| visit(name, place));
+                        extensions.keys().for_each(|name| visit(name, place, is_own));
                     }
-                    pending.push(member);
+                    pending.push((member, false));
                 }
             }
             _ => {}

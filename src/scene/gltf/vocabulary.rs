@@ -132,11 +132,11 @@ pub(super) fn check(raw: &Value, notices: &mut Notices) {
                     pending.extend(items.map(|(i, item)| (item, *kind, place.item(list, i))));
                 }
                 (Some((object, kind)), _) => pending.push((member, kind, place.member(object))),
-                (None, _) if kind.members.contains(&name.as_str()) => {
-                    if name == "attributes" {
-                        check_attributes(member, place, notices);
-                    }
-                }
+                (None, _) if kind.members.contains(&name.as_str()) => match name.as_str() {
+                    "attributes" => check_attributes(member, place, notices),
+                    "targets" => check_targets(member, place, notices),
+                    _ => {}
+                },
                 (None, _) if name == "extensions" || name == "extras" => {}
                 (None, _) => {
                     notices
@@ -166,6 +166,17 @@ fn check_attributes(attributes: &Value, place: Place, notices: &mut Notices) {
         } else if !is_known {
             let message = format!("attribute {name:?}, which glTF 2.0 does not have");
             notices.ignored(message, &place.label());
+        }
+    }
+}
+
+/// Morph targets of what is not morphed here.
+fn check_targets(targets: &Value, place: Place, notices: &mut Notices) {
+    const MORPHED: [&str; 3] = ["POSITION", "NORMAL", "TANGENT"];
+    let targets = targets.as_array().into_iter().flatten().filter_map(Value::as_object);
+    for name in targets.flat_map(|target| target.keys()) {
+        if !MORPHED.contains(&name.as_str()) && !name.starts_with('_') {
+            notices.ignored(format!("morph target of {name:?}: not morphed"), &place.label());
         }
     }
 }
@@ -246,6 +257,16 @@ mod tests {
             "meshes": [{"primitives": [{"attributes": attributes, "extras": 3}], "extras": {}}],
         });
         assert_eq!(lines(raw), [""; 0]);
+    }
+
+    #[test]
+    fn morph_targets_without_effect_are_noted() {
+        let targets = json!([{"POSITION": 0}, {"NORMAL": 0, "COLOR_0": 1, "_HEAT": 2}]);
+        let raw = json!({"meshes": [{"primitives": [{"attributes": {}, "targets": targets}]}]});
+        assert_eq!(
+            lines(raw),
+            ["morph target of \"COLOR_0\": not morphed (meshes[0], primitives)"]
+        );
     }
 
     #[test]
