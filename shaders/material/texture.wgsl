@@ -41,7 +41,8 @@ fn texture_wrap(i: i32, size: i32, mode: u32) -> i32 {
         return clamp(i, 0, size - 1);
     }
     let period = select(size, 2 * size, mode == TEXTURE_WRAP_MIRROR);
-    let m = ((i % period) + period) % period;
+    let remainder = i % period;
+    let m = select(remainder, remainder + period, remainder < 0);
     return select(m, period - 1 - m, m >= size);
 }
 
@@ -64,17 +65,15 @@ fn texture_or_white(texture: u32, uv: vec4<f32>) -> vec4<f32> {
     let weight = select(position - corner, vec2<f32>(0.0), is_nearest);
     let i = vec2<i32>(corner);
     let mode = vec2<u32>(flags >> TEXTURE_WRAP_U_SHIFT, flags >> TEXTURE_WRAP_V_SHIFT) & vec2<u32>(3u);
-    let x = vec2<u32>(vec2<i32>(texture_wrap(i.x, size.x, mode.x), texture_wrap(i.x + 1, size.x, mode.x)));
-    let y = vec2<u32>(vec2<i32>(texture_wrap(i.y, size.y, mode.y), texture_wrap(i.y + 1, size.y, mode.y)));
-    var t00 = texture_texel(head.x, y.x * head.y + x.x, shift);
-    var t10 = texture_texel(head.x, y.x * head.y + x.y, shift);
-    var t01 = texture_texel(head.x, y.y * head.y + x.x, shift);
-    var t11 = texture_texel(head.x, y.y * head.y + x.y, shift);
-    if (flags & TEXTURE_SRGB) != 0u {
-        t00 = vec4<f32>(texture_from_srgb(t00.rgb), t00.a);
-        t10 = vec4<f32>(texture_from_srgb(t10.rgb), t10.a);
-        t01 = vec4<f32>(texture_from_srgb(t01.rgb), t01.a);
-        t11 = vec4<f32>(texture_from_srgb(t11.rgb), t11.a);
+    // A loop, so that drivers which inline everything compile this once a lookup, not four times.
+    var t: array<vec4<f32>, 4>;
+    let count = select(4u, 1u, is_nearest);
+    for (var k = 0u; k < count; k++) {
+        let x = u32(texture_wrap(i.x + i32(k & 1u), size.x, mode.x));
+        let y = u32(texture_wrap(i.y + i32(k >> 1u), size.y, mode.y));
+        let texel = texture_texel(head.x, y * head.y + x, shift);
+        let linear = texture_from_srgb(texel.rgb);
+        t[k] = vec4<f32>(select(texel.rgb, linear, (flags & TEXTURE_SRGB) != 0u), texel.a);
     }
-    return mix(mix(t00, t10, weight.x), mix(t01, t11, weight.x), weight.y);
+    return mix(mix(t[0], t[1], weight.x), mix(t[2], t[3], weight.x), weight.y);
 }
