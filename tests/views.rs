@@ -27,7 +27,7 @@ use steradian::view::{View, of_first_hits};
 fn hits(scene: &Scene, settings: &RenderSettings, rays: u32) -> Vec<GpuFirstHit> {
     with_device(|device| {
         let tuning = Tuning::default();
-        let prepared = PreparedScene::new(device.clone(), scene, &settings).unwrap();
+        let prepared = PreparedScene::new(device.clone(), scene, settings).unwrap();
         let mut hits = prepared.first_hits(scene, settings, false, &tuning).unwrap();
         hits.run(&device, rays / 2).unwrap();
         hits.run(&device, rays - rays / 2).unwrap();

@@ -1,7 +1,7 @@
 //! KTX2 containers: their first level, uncompressed or transcoded from Basis Universal.
 
 use super::images::Pixels;
-use ktx2::{ColorModel, Format, Header, Reader, SupercompressionScheme};
+use ktx2::{ColorModel, Format, Reader, SupercompressionScheme};
 use std::io::Read;
 use std::panic::UnwindSafe;
 
@@ -135,9 +135,9 @@ fn one_plain_level(reader: &Reader<&[u8]>) -> Result<Vec<u8>> {
     let index = header.index;
     let descriptor = index.dfd_byte_offset as usize..;
     let descriptor = &reader.data()[descriptor][..index.dfd_byte_length as usize];
-    let dfd_begin = Header::LENGTH + ktx2::LevelIndex::LENGTH;
+    let dfd_begin = ktx2::Header::LENGTH + ktx2::LevelIndex::LENGTH;
     let begin = (dfd_begin + descriptor.len()).next_multiple_of(16);
-    let header = Header {
+    let header = ktx2::Header {
         level_count: 1,
         supercompression_scheme: None,
         index: ktx2::Index {

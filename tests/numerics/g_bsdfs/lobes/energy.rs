@@ -93,10 +93,10 @@ fn g4_compensated_metal_keeps_all_light() {
     let scene = scene_of(&materials);
     let settings = RenderSettings { energy_compensation: true, ..plain() };
     let mut worst = 0.0_f64;
-    for k in 0..materials.len() {
+    for (k, roughness) in roughness.into_iter().enumerate() {
         for (c, cos_o) in COSINES.into_iter().enumerate() {
             let e = albedo(&scene, &settings, Input::new(k, true, cos_o), c as u64);
-            println!("roughness {}, cos {cos_o}: {e:?}", roughness[k]);
+            println!("roughness {roughness}, cos {cos_o}: {e:?}");
             worst = worst.max((e.mean - 1.0).abs() - 4.0 * e.standard_error);
         }
     }
