@@ -1,6 +1,7 @@
 // The volumes that a path is in: their materials, innermost first, INVALID where there are no
 // more. Crossing the boundary of a volume from its front adds it, from its back removes it. Of more
-// than four in each other the outermost is forgotten. Nothing is known of a volume around the camera.
+// than four in each other the outermost is forgotten. A volume around the camera is known once its
+// back is met.
 #import geometry/surface
 #import material/material
 #import math/exponential

@@ -1,9 +1,9 @@
-//! KTX2 containers: their first level, uncompressed or transcoded from Basis Universal.
+//! KTX2 containers: their first level, uncompressed or transcoded from Basis Universal. The
+//! libraries' arithmetic can panic on damaged files: whoever calls guards against that.
 
 use super::images::Pixels;
 use ktx2::{ColorModel, Format, Reader, SupercompressionScheme};
 use std::io::Read;
-use std::panic::UnwindSafe;
 
 type Result<T> = std::result::Result<T, String>;
 
@@ -19,19 +19,13 @@ pub(super) fn size(bytes: &[u8]) -> Result<(u32, u32)> {
 }
 
 fn open(bytes: &[u8]) -> Result<Reader<&[u8]>> {
-    let reader = guarded(|| Reader::new(bytes)).ok_or("damaged KTX2")?;
-    let reader = reader.map_err(|e| format!("damaged KTX2: {e}"))?;
+    let reader = Reader::new(bytes).map_err(|e| format!("damaged KTX2: {e}"))?;
     let header = reader.header();
     let is_picture = header.pixel_depth == 0 && header.layer_count == 0 && header.face_count == 1;
     match is_picture && header.pixel_width > 0 && header.pixel_height > 0 {
         true => Ok(reader),
         false => Err("KTX2 with another content than one two-dimensional picture".into()),
     }
-}
-
-/// The result of a library whose arithmetic can panic on damaged files; nothing if it does.
-fn guarded<T>(read: impl FnOnce() -> T + UnwindSafe) -> Option<T> {
-    std::panic::catch_unwind(read).ok()
 }
 
 /// The picture. Its size must have been checked.
@@ -114,11 +108,10 @@ fn basis(reader: &Reader<&[u8]>) -> Result<Vec<[u8; 4]>> {
         _ => std::borrow::Cow::Owned(one_plain_level(reader)?),
     };
     let damaged = || "damaged Basis Universal texture".to_owned();
-    let transcoded = guarded(|| {
-        let transcoder = basisu::Transcoder::new(&file)?;
-        transcoder.transcode(0, basisu::TargetFormat::Rgba32, basisu::DecodeFlags::NONE)
-    });
-    let bytes = transcoded.ok_or_else(damaged)?.map_err(|e| format!("{}: {e:?}", damaged()))?;
+    let fault = |e| format!("{}: {e:?}", damaged());
+    let bytes = basisu::Transcoder::new(&file)
+        .and_then(|t| t.transcode(0, basisu::TargetFormat::Rgba32, basisu::DecodeFlags::NONE))
+        .map_err(fault)?;
     let rgba = bytes.as_chunks().0.to_vec();
     match rgba.len() == header.pixel_width as usize * header.pixel_height as usize {
         true => Ok(rgba),
