@@ -5,112 +5,10 @@
 #import film/film
 #import film/tile
 #import camera/camera
-#import geometry/trace
-#import path/path
-#if TEXTURES
-#import material/normal_map
-#endif
-#if SOBOL
-#import sample/sampler_sobol
-#else
-#import sample/sampler_independent
-#endif
-#if NEE
-#import light/direct
-#endif
+#import path/radiance
 #if ADAPTIVE
 #import stopping/blocks
 #endif
-
-// Rays traced by this thread.
-var<private> path_ray_count: u32 = 0u;
-var<private> path_shadow_ray_count: u32 = 0u;
-
-// Radiance along one camera path.
-fn path_radiance(sampler_p: Sampler, camera: Ray, is_active: bool) -> vec3<f32> {
-    var p = path_new(camera, is_active);
-    var material = INVALID;
-    for (var bounce = 0u; bounce < PATH_LENGTH_LIMIT; bounce++) {
-        p.ray.alpha_seed = sampler_alpha_seed(sampler_p, bounce);
-#if CULLING
-        leaf_is_camera = bounce == 0u;
-#endif
-        let hit = trace_closest(p.ray, p.is_alive);
-#if CULLING
-        leaf_is_camera = false;
-#endif
-        path_ray_count += select(0u, 1u, p.is_alive);
-        let has_hit = p.is_alive && hit.primitive != INVALID;
-#if MEDIA
-        if p.is_alive && !has_hit {
-            p.throughput *= media_transmittance(p.media, MEDIA_FAR);
-        }
-#endif
-#if ENVIRONMENT
-        if p.is_alive && !has_hit && path_keeps(bounce) && frame.environment_size.x > 0u {
-            p.radiance += path_environment(p);
-        }
-#endif
-        p.is_alive = has_hit;
-        var s: Surface;
-        var b: Bsdf;
-        var frame_s: mat3x3<f32>;
-        if has_hit {
-            s = surface_at(p.ray, hit);
-            material = s.material;
-            let m = materials[material];
-#if MEDIA
-            p.media = media_before(p.media, s);
-            p.throughput *= media_transmittance(p.media, hit.t);
-#endif
-#if TEXTURES
-            s.ns = normal_map_ns(m, s);
-#endif
-            s.ns = surface_bend(s.ns, s.ng, s.wo);
-#if LIGHT_SURFACES
-            if s.light != INVALID && path_keeps(bounce) {
-                p.radiance += path_emission(p, m, s);
-            }
-#endif
-#if DISPERSION
-            p = path_choose_channel(p, m, sampler_choice(sampler_p, bounce, 0u).z);
-#endif
-            frame_s = material_frame(m, s);
-            b = material_bsdf(m, s, frame_s, path_eta(p, m, s));
-        }
-        fault_watch(p.radiance, bounce, material);
-        p.is_alive = p.is_alive && bounce < frame.max_bounces;
-        if !trace_any_lane(p.is_alive) {
-            return p.radiance;
-        }
-        let u = sampler_vertex(sampler_p, bounce);
-#if NEE
-        if frame.light_count > 0u && path_keeps(bounce + 1u) {
-            for (var i = 0u; i < frame.light_samples; i++) {
-                var d = direct_none();
-                if p.is_alive {
-                    d = direct_sample(s, b, frame_s, sampler_p, bounce, u.xy, i);
-#if MEDIA
-                    d.radiance *= media_along(p.media, s, d.ray);
-#endif
-                }
-                let has_ray = max_component(d.radiance) > 0.0;
-                path_shadow_ray_count += select(0u, 1u, has_ray);
-                let is_blocked = trace_any(d.ray, has_ray);
-                p.radiance += p.throughput * select(d.radiance, vec3<f32>(0.0), is_blocked);
-            }
-            fault_watch(p.radiance, bounce, material);
-        }
-#endif
-        if p.is_alive {
-            p = path_scatter(p, s, b, frame_s, u.zw, sampler_choice(sampler_p, bounce, 0u).x, bounce);
-        }
-    }
-    if p.is_alive {
-        fault_raise(FAULT_LOOP_BOUND);
-    }
-    return p.radiance;
-}
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn main(
@@ -125,6 +23,11 @@ fn main(
 #endif
 #if !BRUTE_FORCE
     stack_lane = local;
+#endif
+#if PATH_REUSE
+#if !PACKETS
+    exchange_thread = local;
+#endif
 #endif
     let thread = group.x * WORKGROUP_SIZE + local;
     let in_dispatch = thread / TILE_PIXELS;

@@ -280,9 +280,11 @@ impl Renderer {
 
     /// Column and row in the window; `None` for what tiles have beyond it.
     fn place(&self, pixel: u32) -> Option<(u32, u32)> {
-        let window = self.film.window();
-        let tiles_across = window.width.div_ceil(TILE_SIDE);
+        let (window, traced) = (self.film.window(), self.settings.traced_window());
+        let tiles_across = traced.width.div_ceil(TILE_SIDE);
         let (x, y) = PathTrace::pixel(pixel / TILE_PIXELS, pixel % TILE_PIXELS, tiles_across);
+        let x = (traced.x + x).checked_sub(window.x)?;
+        let y = (traced.y + y).checked_sub(window.y)?;
         (x < window.width && y < window.height).then_some((x, y))
     }
 }

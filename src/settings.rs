@@ -1,7 +1,7 @@
 //! What to render and how: shared by the command line, tests and viewer.
 
 use crate::scene::Scene;
-use crate::shader::generated::MOST_BLOCK_SAMPLES;
+use crate::shader::generated::{MOST_BLOCK_SAMPLES, TILE_SIDE};
 use crate::stopping::StoppingRule;
 use crate::{Error, Result};
 use std::time::Duration;
@@ -31,6 +31,10 @@ pub struct RenderSettings {
     pub only_bounce: Option<u32>,
     /// End paths at random, without bias, once their throughput is low.
     pub roulette: bool,
+    /// Neighbouring pixels share their paths from the second vertex on (Bekaert, Sbert and Halton
+    /// 2002). Without bias, but the errors of the pixels of a block of 4 by 2 are alike then: not
+    /// for [`Self::stopping`].
+    pub path_reuse: bool,
     /// Source of random numbers.
     pub sampler: Sampler,
     /// Index into [`crate::scene::Scene::cameras`].
@@ -107,6 +111,7 @@ impl Default for RenderSettings {
             max_bounces: None,
             only_bounce: None,
             roulette: true,
+            path_reuse: false,
             sampler: Sampler::Sobol,
             camera: 0,
             block_size: 16,
@@ -122,6 +127,28 @@ impl RenderSettings {
     pub fn window(&self) -> Crop {
         let (width, height) = self.resolution;
         self.crop.unwrap_or(Crop { x: 0, y: 0, width, height })
+    }
+
+    /// Whether paths are shared: those of one bounce are not.
+    pub fn shares_paths(&self) -> bool {
+        self.path_reuse && self.max_bounces.is_none_or(|n| n > 1)
+    }
+
+    /// What is traced for the window: with [`Self::path_reuse`] whole tiles of the picture, so
+    /// that the pixels at a crop's edge have all that they share with.
+    pub fn traced_window(&self) -> Crop {
+        let window = self.window();
+        if !self.shares_paths() {
+            return window;
+        }
+        let (x, y) = (window.x / TILE_SIDE * TILE_SIDE, window.y / TILE_SIDE * TILE_SIDE);
+        let end = |last: u32, side: u32| last.next_multiple_of(TILE_SIDE).min(side);
+        Crop {
+            x,
+            y,
+            width: end(window.x + window.width, self.resolution.0) - x,
+            height: end(window.y + window.height, self.resolution.1) - y,
+        }
     }
 
     /// The rule by which pixels stop early; none where its tolerance is 0.
@@ -162,6 +189,9 @@ impl RenderSettings {
             format!("block {}: must be a power of two up to {most}", self.block_size)
         } else if let Some(wrong) = self.stopping.as_ref().and_then(StoppingRule::fault) {
             wrong
+        } else if self.path_reuse && self.stopping_rule().is_some() {
+            "path reuse: pixels that stop one by one (--noise, --adaptive) must not share paths"
+                .into()
         } else if self.light_samples == 0 {
             "light samples must be at least 1".into()
         } else if self.camera >= scene.cameras.len() {

@@ -250,6 +250,21 @@ fn bsdf_is_smooth(b: Bsdf) -> bool {
     return is_smooth;
 }
 
+// Whether what leaves the surface is the same in all directions: the Lambert lobe alone.
+fn bsdf_is_matte(b: Bsdf) -> bool {
+    var is_matte = b.diffuse_f90 <= 0.0 && b.diffuse_f0 <= 0.0 && !bsdf_is_specular(b) && !bsdf_transmits(b);
+#if DIFFUSE_TRANSMISSION
+    is_matte = is_matte && max_component(b.diffuse_below) <= 0.0;
+#endif
+#if SHEEN
+    is_matte = is_matte && b.sheen.albedo <= 0.0;
+#endif
+#if CLEARCOAT
+    is_matte = is_matte && b.coat.reflectance <= 0.0;
+#endif
+    return is_matte;
+}
+
 // Whether the base reflects at any angle.
 fn bsdf_is_specular(b: Bsdf) -> bool {
 #if SPLIT_FRESNEL

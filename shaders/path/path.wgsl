@@ -53,6 +53,10 @@ struct Path {
     scatter_point: vec3<f32>,
     // How refraction scaled the throughput: no loss, so roulette ignores it.
     eta_scale: f32,
+#if PATH_REUSE
+    // Largest component of the throughput up to where that began anew.
+    prefix: f32,
+#endif
 #if MEDIA
     // The volumes that it is in.
     media: vec4<u32>,
@@ -77,6 +81,9 @@ fn path_new(ray: Ray, is_active: bool) -> Path {
     p.scatter_pdf = PDF_DELTA;
     p.scatter_point = ray.origin;
     p.eta_scale = 1.0;
+#if PATH_REUSE
+    p.prefix = 1.0;
+#endif
 #if MEDIA
     p.media = media_none();
 #endif
@@ -155,7 +162,11 @@ fn path_scatter(path: Path, s: Surface, b: Bsdf, frame_s: mat3x3<f32>, u: vec2<f
 #endif
 #if ROULETTE
     if bounce + 1u >= ROULETTE_START {
-        var q = clamp(max_component(p.throughput) / p.eta_scale, ROULETTE_LEAST, 1.0);
+        var kept = max_component(p.throughput) / p.eta_scale;
+#if PATH_REUSE
+        kept *= p.prefix;
+#endif
+        var q = clamp(kept, ROULETTE_LEAST, 1.0);
 #if DELTA
         p.delta_run = select(0u, p.delta_run + 1u, scattered.pdf == PDF_DELTA);
         q = select(q, min(q, DELTA_SURVIVAL), p.delta_run > DELTA_RUN);

@@ -172,9 +172,14 @@ pub(crate) struct SamplingFlags {
     #[arg(long)]
     pub(crate) no_roulette: bool,
 
+    /// Let the pixels of blocks of 4 by 2 share their paths from the second vertex on: less noise
+    /// for the same time where light arrives in several steps, but alike within a block
+    #[arg(long, conflicts_with_all = ["noise", "adaptive"])]
+    pub(crate) path_reuse: bool,
+
     /// Trace in plain f64 on the processor, without a device: slow, and what the renderer is held to
     #[arg(long, conflicts_with_all = [
-        "strategy", "light_samples", "no_roulette", "sampler", "accel", "features", "noise",
+        "strategy", "light_samples", "no_roulette", "path_reuse", "sampler", "accel", "features", "noise",
         "adaptive",
     ])]
     pub(crate) reference: bool,

@@ -59,6 +59,7 @@ impl Job {
             max_bounces: flags.sampling.max_bounces,
             only_bounce: flags.sampling.only_bounce,
             roulette: !flags.sampling.no_roulette,
+            path_reuse: flags.sampling.path_reuse,
             sampler: flags.sampling.sampler,
             camera,
             block_size: flags.sampling.block.unwrap_or(default_block_size(requested_spp)),

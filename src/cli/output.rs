@@ -87,6 +87,7 @@ pub(crate) fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
         ("max_bounces", limit(settings.max_bounces)),
         ("only_bounce", limit(settings.only_bounce)),
         ("roulette", choice(text(if settings.roulette { "true" } else { "false" }))),
+        ("path_reuse", choice(text(if settings.shares_paths() { "true" } else { "false" }))),
         ("camera", text(&outcome.job.scene.cameras[settings.camera].name)),
         ("partial", text(if outcome.is_partial() { "true" } else { "false" })),
     ];

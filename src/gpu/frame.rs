@@ -42,7 +42,7 @@ impl BufferFacts {
 
     /// The uniforms that do not change between dispatches; the others are 0.
     pub fn frame(&self, scene: &Scene, settings: &RenderSettings) -> GpuFrame {
-        let window = settings.window();
+        let window = settings.traced_window();
         let tiles_across = window.width.div_ceil(TILE_SIDE);
         let ([x, y, z], environment_size) = environment_frame(scene.environment.as_ref());
         GpuFrame {

@@ -24,7 +24,7 @@ pub(super) struct Schedule {
 
 impl Schedule {
     pub(super) fn new(device: &Device, settings: &RenderSettings) -> Result<Self> {
-        let window = settings.window();
+        let window = settings.traced_window();
         let (across, down) = PathTrace::tiles(window.width, window.height);
         let tile_count = across * down;
         let fits = device.info().max_binding_size / PathTrace::TILE_BYTES;

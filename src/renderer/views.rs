@@ -22,6 +22,7 @@ impl PreparedScene {
         tuning: &Tuning,
     ) -> Result<FirstHits> {
         settings.validate(scene)?;
+        let settings = &RenderSettings { path_reuse: false, ..settings.clone() };
         let features = self.features(scene, settings);
         let frame = self.buffers.facts().frame(scene, settings);
         let (device, buffers, stack_size) = (&self.device, &self.buffers, self.stack_size);

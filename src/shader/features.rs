@@ -115,6 +115,8 @@ features! {
     Hemisphere = "HEMISPHERE",
     /// Russian roulette.
     Roulette = "ROULETTE",
+    /// Neighbouring pixels share their paths from the second vertex on.
+    PathReuse = "PATH_REUSE",
     /// Sobol points instead of independent ones.
     Sobol = "SOBOL",
     /// Pixels stop one by one: the film is a list of those that go on.
@@ -148,6 +150,7 @@ impl Feature {
                 | ScatterOnly
                 | Hemisphere
                 | Roulette
+                | PathReuse
                 | Sobol
                 | Adaptive
                 | SeedRule
@@ -222,6 +225,7 @@ impl Features {
             .with_if(Feature::Hemisphere, strategy == Strategy::Hemisphere)
             .with_if(Feature::BruteForce, settings.accel == Accel::None)
             .with_if(Feature::Roulette, settings.roulette)
+            .with_if(Feature::PathReuse, settings.shares_paths())
             .with_if(Feature::Sobol, settings.sampler == Sampler::Sobol)
             .with_if(Feature::EnergyCompensation, settings.energy_compensation)
             .with_if(Feature::SplitFresnel, settings.energy_compensation)

@@ -10,6 +10,7 @@ mod geometry;
 mod irradiance;
 mod matrix;
 mod media;
+mod path_reuse;
 mod pictures;
 mod shading;
 mod sides;

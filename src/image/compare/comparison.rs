@@ -284,6 +284,7 @@ fn notes(actual: &PictureFile, expected: &PictureFile, has_verdict: bool) -> Vec
         "only_bounce",
         "light_samples",
         "roulette",
+        "path_reuse",
         "camera",
         "faults",
         "partial",

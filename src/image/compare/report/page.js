@@ -221,6 +221,7 @@ function reproducing(metadata, entry) {
     if (get(name) !== undefined && get(name) !== usual) words.push(`--${flag}`, quote(get(name)));
   }
   if (get("roulette") === "false") words.push("--no-roulette");
+  if (get("path_reuse") === "true") words.push("--path-reuse");
   if (get("camera")) words.push("--camera", quote(get("camera")));
   words.push("-o", quote(entry.name.split("/").pop()));
   return words.join(" ");
