@@ -30,7 +30,7 @@ const TINTS: [[f64; 3]; 6] = [
     [0.63, 1.19, 0.22],
 ];
 /// Radiance of dim, usual and bright lamps.
-const LEVELS: [f64; 3] = [22.0, 110.0, 480.0];
+const LEVELS: [f64; 3] = [9.0, 50.0, 260.0];
 
 /// Uniform in [0, 1), by the bits of an integer (T. Mueller's hash as in C. Wellons 2018).
 fn random(n: u32) -> f64 {
@@ -187,7 +187,7 @@ fn add_strings(document: &mut Document) {
         .collect();
     let (mut wires, mut sockets) = (Mesh::default(), Mesh::default());
     let mut number = 0;
-    for (a, b, sag) in strings() {
+    for (string, (a, b, sag)) in strings().into_iter().enumerate() {
         let across = (b - a).cross(DVec3::Y).normalize();
         let tube = parametric([24, 4], [Ends::Open, Ends::Closed], |t, v| {
             let (s, c) = (TAU * v).sin_cos();
@@ -198,9 +198,9 @@ fn add_strings(document: &mut Document) {
             let draw = |salt: u32| random(number * 8 + salt);
             let t = (f64::from(k) + 0.5 + 0.3 * (draw(0) - 0.5)) / f64::from(LAMPS_ON_A_STRING);
             let scale = 0.7 + 0.8 * draw(1);
-            // Warm ones are the rule; one in five is bright.
-            let tint = if draw(2) < 0.5 { 0 } else { 1 + (draw(3) * 5.0) as usize };
-            let level = [0, 0, 1, 1, 2][(draw(4) * 5.0) as usize];
+            // A string has a tint of its own, and warm ones between; one lamp in five is bright.
+            let tint = if draw(2) < 0.3 { 0 } else { string % TINTS.len() };
+            let level = [0, 0, 1, 1, 2][(draw(3) * 5.0) as usize];
             let at = hanging(a, b, sag, t);
             let below = at - DVec3::Y * (0.03 + LAMP_RADIUS * scale);
             document.scatter(lamps[3 * tint + level], below, DQuat::IDENTITY, scale);
@@ -249,7 +249,7 @@ fn add_uplights(document: &mut Document) {
     let lamp = document.material(Material {
         name: "uplight",
         base_color: [0.5; 3],
-        emission: TINTS[0].map(|t| 26.0 * t),
+        emission: TINTS[0].map(|t| 17.0 * t),
         ..Default::default()
     });
     let (mut boxes, mut lights) = (Mesh::default(), Mesh::default());
