@@ -25,6 +25,11 @@ pub struct RenderSettings {
     pub strategy: Strategy,
     /// Light samples at each path vertex.
     pub light_samples: u32,
+    /// How a light is chosen among many.
+    pub light_selection: LightSelection,
+    /// Lights that are drawn for one light sample where there are many; one of them is kept, by
+    /// what it would give if nothing were in the way.
+    pub light_candidates: u32,
     /// Scattering events allowed on a path; `None` is no limit.
     pub max_bounces: Option<u32>,
     /// Keep only the light that was scattered exactly so often.
@@ -77,6 +82,18 @@ pub enum Strategy {
     Mis,
 }
 
+/// How a light is chosen. All have the same mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LightSelection {
+    /// Every light alike, for comparison.
+    Uniform,
+    /// By power.
+    Power,
+    /// More than 16 that have a place: by what they may give to the receiver, with a tree; fewer,
+    /// and those at infinity, by power.
+    Tree,
+}
+
 /// Random number generators; each a pure function of (seed, pixel, sample, dimension).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sampler {
@@ -108,6 +125,8 @@ impl Default for RenderSettings {
             seed: 0,
             strategy: Strategy::Mis,
             light_samples: 1,
+            light_selection: LightSelection::Tree,
+            light_candidates: 4,
             max_bounces: None,
             only_bounce: None,
             roulette: true,
@@ -194,6 +213,8 @@ impl RenderSettings {
                 .into()
         } else if self.light_samples == 0 {
             "light samples must be at least 1".into()
+        } else if self.light_candidates == 0 {
+            "light candidates must be at least 1".into()
         } else if self.camera >= scene.cameras.len() {
             let n = scene.cameras.len();
             format!("camera {}: the scene has {n}, counted from 0", self.camera)

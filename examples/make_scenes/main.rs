@@ -15,6 +15,7 @@ mod environment;
 mod hdr;
 mod instances;
 mod known_radiance;
+mod many_lights;
 mod material;
 mod readme;
 mod shapes;
@@ -105,6 +106,13 @@ const SCENES: &[Entry] = &[
         purpose: "light from an environment map only: metal, plastic, glass, clay",
         source: OWN,
         build: environment::build,
+    },
+    Entry {
+        name: "many-lights",
+        kind: Kind::Picture,
+        purpose: "choosing among 5,000 emissive triangles: strings of lamps, lanterns, uplights",
+        source: OWN,
+        build: many_lights::build,
     },
     test("furnace-box", "emission and all bounces in a closed cube", known_radiance::furnace_box),
     test("furnace-sphere", "the same inside an analytic sphere", known_radiance::furnace_sphere),

@@ -64,6 +64,13 @@ struct Frame {
     sample_limit: u32,
     // Texels a side of a cell of the environment's sampling table.
     environment_block: u32,
+    // With a light tree: how many lights are in it, which are the first, and with which
+    // probability one of them is chosen; where the ways to them begin in `light_tree`.
+    finite_light_count: u32,
+    finite_light_share: f32,
+    light_tree_trails: u32,
+    // Of a light sample, where there are many lights.
+    light_candidates: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -14,6 +14,9 @@
 #if ENVIRONMENT
 #import light/environment
 #endif
+#if LIGHT_TREE
+#import light/tree
+#endif
 
 // A direction from a receiver towards a light.
 struct LightSample {
@@ -34,7 +37,7 @@ struct Light {
     kind: u32,
     // Sum of the probabilities of all lights before this one.
     cdf: f32,
-    // Probability of its choice, by power.
+    // Probability of its choice, by power; the tree's is filled in for a receiver.
     pmf: f32,
     material: u32,
     // Triangle: vertices. Sphere: centre; (radius, -, -). Point and spot:
@@ -58,9 +61,6 @@ struct Light {
 
 @group(0) @binding(6) var<storage, read> lights: array<Light>;
 
-// No more than so many lights are chosen by the stratified number that also places the sample.
-const FEW_LIGHTS: u32 = 16u;
-
 fn light_none() -> LightSample {
     return LightSample(vec3<f32>(0.0), 0.0, vec3<f32>(0.0), vec3<f32>(0.0), false);
 }
@@ -69,9 +69,13 @@ fn light_color(l: Light) -> vec3<f32> {
     return vec3<f32>(l.red, l.green, l.blue);
 }
 
-// The last light whose cdf is at most u.
+// The last light whose cdf is at most u; with a tree, of those that are not in it.
 fn light_pick(u: f32) -> u32 {
+#if LIGHT_TREE
+    var low = frame.finite_light_count;
+#else
     var low = 0u;
+#endif
     var high = frame.light_count;
     while high - low > 1u {
         let middle = (low + high) / 2u;
@@ -84,13 +88,51 @@ fn light_pick(u: f32) -> u32 {
     return low;
 }
 
-// One light, by power, and one direction towards it. `choice` picks among many lights.
+// Probability of choosing a light at `from_point`.
+fn light_pmf(index: u32, from_point: vec3<f32>) -> f32 {
+#if LIGHT_TREE
+    if index < frame.finite_light_count {
+        return light_tree_pmf(index, from_point);
+    }
+#endif
+    return lights[index].pmf;
+}
+
+#if LIGHT_TREE
+// A light of the tree, or by power one that has no place.
+fn light_choose(from_point: vec3<f32>, u: vec2<f32>, choice: f32) -> LightChoice {
+    let share = frame.finite_light_share;
+    if choice < share {
+        let key = bitcast<vec3<u32>>(vec3<f32>(u, choice));
+        let fresh = uniform_from_bits(pcg4d(vec4<u32>(key, frame.seed))).x;
+        return light_tree_choose(from_point, min(choice / share, ONE_BELOW), fresh);
+    }
+    if frame.finite_light_count == frame.light_count {
+        return LightChoice(0u, 0.0);
+    }
+    let index = light_pick(choice);
+    return LightChoice(index, lights[index].pmf);
+}
+#endif
+
+// One light and one direction towards it. `choice` picks among many lights.
 fn light_sample(s: Surface, u: vec2<f32>, choice: f32) -> LightSample {
+#if LIGHT_TREE
+    let chosen = light_choose(s.position, u, choice);
+    if chosen.pmf <= 0.0 {
+        return light_none();
+    }
+    let index = chosen.index;
+    var l = lights[index];
+    l.pmf = chosen.pmf;
+    let v = u;
+#else
     let few = frame.light_count <= FEW_LIGHTS;
     let index = light_pick(select(choice, u.x, few));
     let l = lights[index];
     let rest = clamp((u.x - l.cdf) / l.pmf, 0.0, ONE_BELOW);
     let v = vec2<f32>(select(u.x, rest, few), u.y);
+#endif
 #if LIGHT_TRIANGLES
     if l.kind == LIGHT_TRIANGLE {
         return light_triangle_sample(l, index - l.cell, s, v);
@@ -117,7 +159,11 @@ fn light_sample(s: Surface, u: vec2<f32>, choice: f32) -> LightSample {
 // Density with which light_sample at `from_point` would have found the emitting surface `s` that a
 // ray along `wi` met.
 fn light_surface_pdf(s: Surface, from_point: vec3<f32>, wi: vec3<f32>) -> f32 {
-    let l = lights[s.light];
+    var l = lights[s.light];
+#if LIGHT_TREE
+    // Of a divided triangle the cell's own is looked up below.
+    l.pmf = light_pmf(s.light, from_point);
+#endif
 #if LIGHT_SPHERES
     if l.kind == LIGHT_SPHERE {
         return light_sphere_pdf(l, s, from_point);

@@ -59,7 +59,7 @@ fn light_triangle_pdf(l: Light, first: u32, from_point: vec3<f32>, wi: vec3<f32>
 #if TEXTURES
     if l.cell_side > 1u {
         let w = light_triangle_weights(l, from_point, wi);
-        pmf = lights[first + light_triangle_cell(w, l.cell_side)].pmf;
+        pmf = light_pmf(first + light_triangle_cell(w, l.cell_side), from_point);
     }
 #endif
     return light_triangle_density(l, pmf, dot(n2, l.a - from_point) / facing, facing);

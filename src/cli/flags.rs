@@ -9,7 +9,7 @@ use clap::Args;
 use glam::Vec3;
 use std::path::PathBuf;
 use steradian::image::{MapColors, ToneCurve};
-use steradian::settings::{Accel, Crop, Sampler, Strategy};
+use steradian::settings::{Accel, Crop, LightSelection, Sampler, Strategy};
 use steradian::view::View;
 
 /// Flags of `render`.
@@ -160,6 +160,14 @@ pub(crate) struct SamplingFlags {
     #[arg(long, value_name = "L", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) light_samples: u32,
 
+    /// How a light is chosen for a sample
+    #[arg(long, value_parser = values::one_of(values::LIGHT_SELECTIONS), default_value = "tree")]
+    pub(crate) light_selection: LightSelection,
+
+    /// Lights drawn for a sample where there are more than 16, of which one is kept
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(crate) light_candidates: u32,
+
     /// Scattering events on a path: 0 emission alone, 1 direct light; no limit by default
     #[arg(long, value_name = "N")]
     pub(crate) max_bounces: Option<u32>,
@@ -179,8 +187,8 @@ pub(crate) struct SamplingFlags {
 
     /// Trace in plain f64 on the processor, without a device: slow, and what the renderer is held to
     #[arg(long, conflicts_with_all = [
-        "strategy", "light_samples", "no_roulette", "path_reuse", "sampler", "accel", "features", "noise",
-        "adaptive",
+        "strategy", "light_samples", "light_selection", "light_candidates", "no_roulette", "path_reuse",
+        "sampler", "accel", "features", "noise", "adaptive",
     ])]
     pub(crate) reference: bool,
 

@@ -56,6 +56,8 @@ impl Job {
             seed: flags.sampling.seed,
             strategy: flags.sampling.strategy,
             light_samples: flags.sampling.light_samples,
+            light_selection: flags.sampling.light_selection,
+            light_candidates: flags.sampling.light_candidates,
             max_bounces: flags.sampling.max_bounces,
             only_bounce: flags.sampling.only_bounce,
             roulette: !flags.sampling.no_roulette,

@@ -3,7 +3,7 @@
 use super::destination::Picture;
 use super::report::Outcome;
 use super::talk;
-use super::values::{ACCELS, SAMPLERS, STRATEGIES, word_for};
+use super::values::{ACCELS, LIGHT_SELECTIONS, SAMPLERS, STRATEGIES, word_for};
 use super::{reference, stopping};
 use std::fmt::Write;
 use std::path::Path;
@@ -84,6 +84,8 @@ pub(crate) fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
         ("sampler", choice(text(word_for(SAMPLERS, &settings.sampler)))),
         ("accel", choice(text(word_for(ACCELS, &settings.accel)))),
         ("light_samples", choice(number(settings.light_samples))),
+        ("light_selection", choice(text(word_for(LIGHT_SELECTIONS, &settings.light_selection)))),
+        ("light_candidates", choice(number(settings.light_candidates))),
         ("max_bounces", limit(settings.max_bounces)),
         ("only_bounce", limit(settings.only_bounce)),
         ("roulette", choice(text(if settings.roulette { "true" } else { "false" }))),

@@ -5,7 +5,7 @@ use glam::Vec3;
 use std::str::FromStr;
 use std::time::Duration;
 use steradian::image::ToneCurve;
-use steradian::settings::{Accel, Crop, Sampler, Strategy};
+use steradian::settings::{Accel, Crop, LightSelection, Sampler, Strategy};
 use steradian::view::View;
 
 /// Largest width and height of a picture.
@@ -28,6 +28,17 @@ pub(crate) const STRATEGIES: &[Word<Strategy>] = &[
 pub(crate) const SAMPLERS: &[Word<Sampler>] = &[
     ("sobol", Sampler::Sobol, "Owen-scrambled Sobol points"),
     ("independent", Sampler::Independent, "independent random numbers"),
+];
+
+/// Words of `--light-selection`.
+pub(crate) const LIGHT_SELECTIONS: &[Word<LightSelection>] = &[
+    ("uniform", LightSelection::Uniform, "every light alike, for comparison"),
+    ("power", LightSelection::Power, "by power"),
+    (
+        "tree",
+        LightSelection::Tree,
+        "by what it may give, where there are more than 16; else by power",
+    ),
 ];
 
 /// Words of `--accel`.

@@ -122,7 +122,7 @@ impl<'a> EmissionTexture<'a> {
 }
 
 /// The weights (of b and c) in the triangle, of the weights in its cell `k` of `side`².
-fn within(k: u32, side: u32, w: Vec2) -> Vec2 {
+pub(super) fn within(k: u32, side: u32, w: Vec2) -> Vec2 {
     let strip = k.isqrt();
     let rest = k - strip * strip;
     let (j, is_turned) = (rest / 2, rest % 2);

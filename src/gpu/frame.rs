@@ -12,6 +12,9 @@ use crate::shader::generated::{INVALID, TILE_SIDE};
 pub struct BufferFacts {
     environment_pmf: f32,
     light_count: u32,
+    finite_light_count: u32,
+    finite_light_share: f32,
+    light_tree_trails: u32,
     triangle_count: u32,
     sphere_count: u32,
     attribute_base: u32,
@@ -22,22 +25,32 @@ impl SceneBuffers {
     /// What the uniforms say of these buffers.
     pub fn facts(&self) -> BufferFacts {
         let world = self.world.statistics();
-        BufferFacts {
-            environment_pmf: self.lights.environment_pmf,
-            light_count: self.lights.records.len() as u32,
+        let facts = BufferFacts {
+            environment_pmf: 0.0,
+            light_count: 0,
+            finite_light_count: 0,
+            finite_light_share: 0.0,
+            light_tree_trails: 0,
             triangle_count: world.triangle_count as u32,
             sphere_count: world.sphere_count as u32,
             attribute_base: self.world.attribute_base,
             attribute_stride: self.world.attribute_stride,
-        }
+        };
+        facts.with_lights(&self.lights)
     }
 }
 
 impl BufferFacts {
     /// The same with other lights.
     pub(super) fn with_lights(self, lights: &Lights) -> Self {
-        let light_count = lights.records.len() as u32;
-        Self { light_count, environment_pmf: lights.environment_pmf, ..self }
+        Self {
+            environment_pmf: lights.environment_pmf,
+            light_count: lights.records.len() as u32,
+            finite_light_count: lights.finite_count as u32,
+            finite_light_share: lights.finite_share,
+            light_tree_trails: lights.tree.trails,
+            ..self
+        }
     }
 
     /// The uniforms that do not change between dispatches; the others are 0.
@@ -79,6 +92,10 @@ impl BufferFacts {
             largest_block: settings.largest_block(),
             sample_limit: settings.spp,
             environment_block: scene.environment.as_ref().map_or(1, environment::block),
+            finite_light_count: self.finite_light_count,
+            finite_light_share: self.finite_light_share,
+            light_tree_trails: self.light_tree_trails,
+            light_candidates: settings.light_candidates,
         }
     }
 }

@@ -19,7 +19,7 @@ pub(super) const TEXTURE_BUFFERS: [&str; 4] =
     ["textures", "textures_1", "textures_2", "textures_3"];
 
 /// Storage buffers that a kernel binds besides the last three of those.
-const OTHER_BUFFERS: u32 = 8;
+const OTHER_BUFFERS: u32 = 9;
 
 /// How textures are spread over buffers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -7,6 +7,7 @@ mod device;
 mod emission;
 mod environment;
 mod frame;
+mod light_tree;
 mod lights;
 mod limits;
 mod materials;

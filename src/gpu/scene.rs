@@ -15,6 +15,7 @@ pub struct SceneBuffers {
     pub world: World,
     materials: materials::Materials,
     pub(super) lights: lights::Lights,
+    choosing: lights::Choosing,
     environment: Option<environment::EnvironmentMap>,
     albedos: Vec<f32>,
 }
@@ -25,6 +26,7 @@ pub struct GpuScene {
     bytes: u64,
     facts: BufferFacts,
     emitters: Vec<Emitter>,
+    choosing: lights::Choosing,
     has_split_textures: bool,
 }
 
@@ -38,9 +40,13 @@ impl SceneBuffers {
     /// [`crate::Error::Limit`].
     pub fn build(scene: &Scene, settings: &RenderSettings, width: TreeWidth) -> Result<Self> {
         let world = World::build(scene, settings.accel, width)?;
-        let (lights, environment) = lighting(scene, &world.emitters);
-        let albedos = albedos::build(Features::of(scene, settings));
-        Ok(Self { world, materials: materials::build(scene), lights, environment, albedos })
+        let features = Features::of(scene, settings);
+        let has_tree = Features::has_light_tree(scene, settings);
+        let choosing = lights::Choosing { selection: settings.light_selection, has_tree };
+        let (lights, environment) = lighting(scene, &world.emitters, choosing);
+        let albedos = albedos::build(features);
+        let materials = materials::build(scene);
+        Ok(Self { world, materials, lights, choosing, environment, albedos })
     }
 
     /// What the device would hold: names and bytes. Textures may spread over several buffers.
@@ -87,6 +93,7 @@ impl SceneBuffers {
             ("attributes", fewer_triangles, bytemuck::cast_slice(&self.world.attributes)),
             ("materials", "use fewer materials", bytemuck::cast_slice(&self.materials.records)),
             ("lights", FEWER_EMITTERS, bytemuck::cast_slice(&self.lights.records)),
+            ("light_tree", FEWER_EMITTERS, bytemuck::cast_slice(&self.lights.tree.words)),
             ("environment", SMALLER_MAP, bytemuck::cast_slice(environment)),
         ]
     }
@@ -116,7 +123,8 @@ impl SceneBuffers {
         device.wait()?;
         let emitters = self.world.emitters.clone();
         let has_split_textures = spread != Spread::One;
-        Ok(GpuScene { buffers, bytes, facts: self.facts(), emitters, has_split_textures })
+        let (facts, choosing) = (self.facts(), self.choosing);
+        Ok(GpuScene { buffers, bytes, facts, emitters, choosing, has_split_textures })
     }
 }
 
@@ -124,10 +132,11 @@ impl SceneBuffers {
 fn lighting(
     scene: &Scene,
     emitters: &[Emitter],
+    choosing: lights::Choosing,
 ) -> (lights::Lights, Option<environment::EnvironmentMap>) {
     let environment = scene.environment.as_ref().map(environment::build);
     let integral = environment.as_ref().map_or(0.0, |e| e.luminous_integral);
-    (lights::build(scene, emitters, integral), environment)
+    (lights::build(scene, emitters, integral, choosing), environment)
 }
 
 impl GpuScene {
@@ -136,13 +145,16 @@ impl GpuScene {
     /// # Errors
     /// [`crate::Error::Limit`] before anything is copied, [`crate::Error::DeviceLost`].
     pub fn relit(&self, device: &Device, scene: &Scene) -> Result<Self> {
-        let (lights, map) = lighting(scene, &self.emitters);
+        let (lights, map) = lighting(scene, &self.emitters, self.choosing);
         let records: &[u8] = bytemuck::cast_slice(&lights.records);
         let words = bytemuck::cast_slice(map.as_ref().map_or(&[][..], |e| &e.words));
         let (mut buffers, mut bytes) = (self.buffers.clone(), self.bytes);
-        for (name, remedy, contents) in
-            [("lights", FEWER_EMITTERS, records), ("environment", SMALLER_MAP, words)]
-        {
+        let tree: &[u8] = bytemuck::cast_slice(&lights.tree.words);
+        for (name, remedy, contents) in [
+            ("lights", FEWER_EMITTERS, records),
+            ("light_tree", FEWER_EMITTERS, tree),
+            ("environment", SMALLER_MAP, words),
+        ] {
             check_binding(device.info(), &format!("the scene's {name}"), contents.len(), remedy)?;
             if let Some((_, buffer)) = buffers.iter_mut().find(|(n, _)| *n == name) {
                 let made = device.storage_buffer(name, contents);
@@ -152,8 +164,8 @@ impl GpuScene {
         }
         device.wait()?;
         let facts = self.facts.with_lights(&lights);
-        let has_split_textures = self.has_split_textures;
-        Ok(Self { buffers, bytes, facts, emitters: self.emitters.clone(), has_split_textures })
+        let emitters = self.emitters.clone();
+        Ok(Self { buffers, bytes, facts, emitters, ..*self })
     }
 
     /// What the uniforms say of the buffers.

@@ -51,6 +51,10 @@ gpu_struct! {
         largest_block: u32,
         sample_limit: u32,
         environment_block: u32,
+        finite_light_count: u32,
+        finite_light_share: f32,
+        light_tree_trails: u32,
+        light_candidates: u32,
     }
 }
 

@@ -5,7 +5,7 @@ use crate::Result;
 use crate::gpu::{Device, GpuScene, SceneBuffers, TreeWidth};
 use crate::passes::FloatEnvironment;
 use crate::scene::Scene;
-use crate::settings::{Accel, RenderSettings};
+use crate::settings::{Accel, LightSelection, RenderSettings};
 use crate::shader::{Feature, Features};
 use std::sync::Arc;
 use std::time::Instant;
@@ -18,13 +18,14 @@ pub struct PreparedScene {
     /// Counts and times of the preparation; the rest is empty.
     pub(super) statistics: RenderStatistics,
     accel: Accel,
+    light_selection: LightSelection,
     has_packets: bool,
     has_anchors: bool,
 }
 
 impl PreparedScene {
-    /// Builds trees and uploads. Of `settings` the acceleration structure and the energy
-    /// compensation count.
+    /// Builds trees and uploads. Of `settings` the acceleration structure, the choice of
+    /// lights and the energy compensation count.
     ///
     /// # Errors
     /// [`crate::Error::Limit`], [`crate::Error::DeviceLost`].
@@ -55,6 +56,7 @@ impl PreparedScene {
             stack_size: built.world.stack_size.max(1),
             statistics,
             accel,
+            light_selection: settings.light_selection,
             has_packets,
             has_anchors: scene.spheres.iter().any(|s| scene.anchor_of(s).is_some()),
         })
@@ -88,7 +90,8 @@ impl PreparedScene {
     /// What a render needs. Spheres have the anchors that they were prepared with, wherever the
     /// camera is now, and trees are those that were built.
     pub(super) fn features(&self, scene: &Scene, settings: &RenderSettings) -> Features {
-        let settings = RenderSettings { accel: self.accel, ..settings.clone() };
+        let (accel, light_selection) = (self.accel, self.light_selection);
+        let settings = RenderSettings { accel, light_selection, ..settings.clone() };
         let features = Features::of(scene, &settings)
             .with_if(Feature::Packets, self.has_packets)
             .with_if(Feature::SplitTextures, self.buffers.has_split_textures());

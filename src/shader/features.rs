@@ -1,8 +1,9 @@
 //! What a scene and its settings need of the shaders. One function decides,
 //! [`Features::of`]; the names are the words behind `#if`.
 
+use super::generated::FEW_LIGHTS;
 use crate::scene::{LightKind, Projection, Scene};
-use crate::settings::{Accel, RenderSettings, Sampler, Strategy};
+use crate::settings::{Accel, LightSelection, RenderSettings, Sampler, Strategy};
 use crate::stopping::StoppingRule;
 use std::fmt;
 
@@ -101,6 +102,10 @@ features! {
     Nee = "NEE",
     /// More than one light sample at a vertex.
     ManyLightSamples = "MANY_LIGHT_SAMPLES",
+    /// Lights with a place are chosen by a tree.
+    LightTree = "LIGHT_TREE",
+    /// A light sample is one of several candidates.
+    LightCandidates = "LIGHT_CANDIDATES",
     /// The threads of a subgroup of eight walk a tree of four children a node together.
     Packets = "PACKETS",
     /// Every primitive is tested, without a tree.
@@ -145,6 +150,8 @@ impl Feature {
                 | BruteForce
                 | Nee
                 | ManyLightSamples
+                | LightTree
+                | LightCandidates
                 | Mis
                 | LightOnly
                 | ScatterOnly
@@ -204,6 +211,7 @@ impl Features {
     pub fn of(scene: &Scene, settings: &RenderSettings) -> Self {
         let set = Self::of_settings(settings);
         let set = set.with_geometry(scene).with_materials(scene).with_lights(scene);
+        let set = set.with_many_lights(scene, settings);
         let camera = &scene.cameras[settings.camera];
         let is_orthographic = matches!(camera.projection, Projection::Orthographic { .. });
         let set = set
@@ -272,6 +280,18 @@ impl Features {
                 nee && scene.lights.iter().any(|l| is_punctual(&l.kind)),
             )
             .with_if(Feature::Environment, scene.environment.is_some())
+    }
+
+    fn with_many_lights(self, scene: &Scene, settings: &RenderSettings) -> Self {
+        let (nee, is_many) = (self.has(Feature::Nee), scene.finite_lights() > FEW_LIGHTS as usize);
+        self.with_if(Feature::LightTree, nee && Self::has_light_tree(scene, settings))
+            .with_if(Feature::LightCandidates, nee && is_many && settings.light_candidates > 1)
+    }
+
+    /// Whether lights are chosen by a tree, should they be sampled.
+    pub(crate) fn has_light_tree(scene: &Scene, settings: &RenderSettings) -> bool {
+        settings.light_selection == LightSelection::Tree
+            && scene.finite_lights() > FEW_LIGHTS as usize
     }
 }
 

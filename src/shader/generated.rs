@@ -38,6 +38,15 @@ pub const PRIMITIVE_HAS_ALPHA: u32 = 1 << 31;
 /// Bit of a primitive's material word: camera rays pass through its back.
 pub const PRIMITIVE_IS_CULLED: u32 = 1 << 30;
 
+/// No more lights than this are chosen by power, and by the number that also places the sample.
+pub const FEW_LIGHTS: u32 = 16;
+
+/// Bit of a link of the light tree: its other bits are a light's index.
+pub const LIGHT_NODE_LEAF: u32 = 1 << 31;
+
+/// Bit of a link of the light tree: lights behind it shine to both sides.
+pub const LIGHT_NODE_DOUBLE_SIDED: u32 = 1 << 30;
+
 /// Bits of a primitive's attributes.
 pub mod attribute {
     /// Shading normals.
@@ -173,6 +182,9 @@ pub fn wgsl(stack_size: u32, workgroup_size: u32) -> String {
         ("MATERIAL_VOLUME", material::VOLUME),
         ("MATERIAL_UNLIT", material::UNLIT),
         ("MATERIAL_SPECULAR_GLOSSINESS", material::SPECULAR_GLOSSINESS),
+        ("FEW_LIGHTS", FEW_LIGHTS),
+        ("LIGHT_NODE_LEAF", LIGHT_NODE_LEAF),
+        ("LIGHT_NODE_DOUBLE_SIDED", LIGHT_NODE_DOUBLE_SIDED),
         ("LIGHT_TRIANGLE", light::TRIANGLE),
         ("LIGHT_SPHERE", light::SPHERE),
         ("LIGHT_POINT", light::POINT),

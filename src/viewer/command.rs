@@ -3,10 +3,12 @@
 use super::wish::{SceneInfo, Wish};
 use crate::cli::job::default_block_size;
 use crate::cli::stopping::PRESETS;
-use crate::cli::values::{ACCELS, SAMPLERS, STRATEGIES, TONE_CURVES, VIEWS, word_for};
+use crate::cli::values::{
+    ACCELS, LIGHT_SELECTIONS, SAMPLERS, STRATEGIES, TONE_CURVES, VIEWS, word_for,
+};
 use steradian::image::ToneCurve;
 use steradian::scene::Camera;
-use steradian::settings::{Accel, Sampler, Strategy};
+use steradian::settings::{Accel, LightSelection, Sampler, Strategy};
 use steradian::stopping::StoppingRule;
 use steradian::view::Source;
 
@@ -61,6 +63,12 @@ fn arguments(info: &SceneInfo, wish: &Wish, output: &str) -> Vec<String> {
     }
     if s.light_samples != 1 {
         flag("--light-samples", s.light_samples.to_string());
+    }
+    if s.light_selection != LightSelection::Tree {
+        flag("--light-selection", word_for(LIGHT_SELECTIONS, &s.light_selection).into());
+    }
+    if s.light_candidates != 4 {
+        flag("--light-candidates", s.light_candidates.to_string());
     }
     if let Some(n) = s.max_bounces {
         flag("--max-bounces", n.to_string());

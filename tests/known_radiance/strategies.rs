@@ -1,13 +1,13 @@
 //! Four estimators, two samplers, roulette on and off: one mean.
 
 use crate::common::{
-    Estimate, Stage, assert_agree, assert_truth, bundled, bundled_truth, emitter, grey, lambert,
-    render, settings,
+    Estimate, Stage, assert_agree, assert_truth, box_mesh, bundled, bundled_truth, emitter, grey,
+    lambert, render, settings,
 };
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 use steradian::RenderSettings;
-use steradian::scene::{Material, Scene};
-use steradian::settings::{Sampler, Strategy};
+use steradian::scene::{Material, Mesh, Scene};
+use steradian::settings::{LightSelection, Sampler, Strategy};
 
 pub(super) const STRATEGIES: [Strategy; 4] =
     [Strategy::Hemisphere, Strategy::Bsdf, Strategy::Light, Strategy::Mis];
@@ -168,4 +168,81 @@ fn a_picture_by_light_samples_and_without() {
     let mis = Estimate::of(&observations(Strategy::Mis));
     let bsdf = Estimate::of(&observations(Strategy::Bsdf));
     assert_agree("cornell-box", mis, bsdf, 0.05);
+}
+
+/// Every way to choose a light, with and without candidates, and none.
+fn selections(scene: &Scene, base: &RenderSettings) -> Vec<(String, Estimate)> {
+    let mut all = Vec::new();
+    let mut add = |what: &str, settings: RenderSettings| {
+        all.push((what.to_owned(), Estimate::of_pixels(&render(scene, &settings))));
+    };
+    for (selection, candidates, strategy) in [
+        (LightSelection::Uniform, 1, Strategy::Mis),
+        (LightSelection::Power, 4, Strategy::Mis),
+        (LightSelection::Tree, 1, Strategy::Light),
+        (LightSelection::Tree, 1, Strategy::Mis),
+        (LightSelection::Tree, 4, Strategy::Light),
+        (LightSelection::Tree, 3, Strategy::Mis),
+    ] {
+        let settings = RenderSettings {
+            strategy,
+            light_selection: selection,
+            light_candidates: candidates,
+            ..base.clone()
+        };
+        add(&format!("{selection:?}, {candidates} candidates, {strategy:?}"), settings);
+    }
+    add("Bsdf", RenderSettings { strategy: Strategy::Bsdf, ..base.clone() });
+    all
+}
+
+/// A closed box of albedo ½ whose walls, 768 triangles, emit 1: radiance 2 everywhere.
+#[test]
+fn a_furnace_of_many_lights() {
+    let mut stage = Stage::perspective(Vec3::new(0.2, 0.1, 0.3), Vec3::new(0.0, 0.2, -1.0), 1.2);
+    let wall = Material { emission: Vec3::ONE, ..lambert(0.5) };
+    let outward = box_mesh(Vec3::ZERO, Vec3::new(1.0, 0.7, 1.3));
+    let mut walls = Mesh { triangles: Vec::new(), ..outward.clone() };
+    for [a, b, c] in outward.triangles {
+        let [p, q, r] = [a, c, b].map(|i| outward.positions[i as usize]);
+        const SIDE: u16 = 8;
+        let at = |i: u16, j: u16| {
+            p + (q - p) * (f32::from(i) / f32::from(SIDE))
+                + (r - p) * (f32::from(j) / f32::from(SIDE))
+        };
+        for (i, j) in (0..SIDE).flat_map(|i| (0..SIDE - i).map(move |j| (i, j))) {
+            let mut add = |corners: [Vec3; 3]| {
+                let first = walls.positions.len() as u32;
+                walls.positions.extend(corners);
+                walls.triangles.push([first, first + 1, first + 2]);
+            };
+            add([at(i, j), at(i + 1, j), at(i, j + 1)]);
+            if i + j + 1 < SIDE {
+                add([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+        }
+    }
+    let walls = stage.mesh(walls, wall);
+    stage.place(walls, Affine3A::IDENTITY);
+    let settings = RenderSettings { max_bounces: Some(32), ..settings(16, 16, 128) };
+    let all = selections(&stage.scene, &settings);
+    for (what, estimate) in &all {
+        assert_truth(what, *estimate, 2.0, 0.02);
+    }
+}
+
+/// Lamps of powers that differ a thousandfold around a rough metal floor, seen from close by.
+#[test]
+fn lamps_of_many_powers() {
+    let mut stage = Stage { scene: glossy_corner() };
+    for k in 0..40_u8 {
+        let (s, c) = (f32::from(k) * 2.399_963).sin_cos();
+        let r = 0.15 * f32::from(k + 1).sqrt();
+        let at = Vec3::new(r * s, 0.25 + 0.02 * f32::from(k % 17), r * c);
+        let size = 0.02 + 0.004 * f32::from(k % 11);
+        let both = Material { double_sided: k % 4 == 0, ..emitter(1.0 + f32::from(k % 7)) };
+        stage.quad(at, Vec3::new(c, 0.3, s) * size, Vec3::new(-s, 0.4, c) * size, both);
+    }
+    let all = selections(&stage.scene, &settings(32, 32, 256));
+    assert_all_agree(&all, 0.03);
 }

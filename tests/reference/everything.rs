@@ -346,3 +346,27 @@ fn a_lamp_that_is_there_in_part() {
     let visible = Visible { mean: 0.07, tile: 0.25 };
     compare("lamp in part", &stage.scene, &small(), visible);
 }
+
+/// Lamps that a tree chooses among, of which candidates are drawn; a screen, the sun, a spot.
+#[test]
+fn many_lights() {
+    let mut stage = stage();
+    pictures(&mut stage);
+    stage.floor(Vec3::new(0.1, -0.3, 0.1), 1.5, paint());
+    stage.sphere(Vec3::new(-0.3, 0.1, 0.2), 0.35, Material { metallic: 1.0, ..paint() });
+    for k in 0..24_u8 {
+        let (s, c) = (f32::from(k) * 2.399_963).sin_cos();
+        let at = Vec3::new(0.9 * s, 0.5 + 0.04 * f32::from(k % 13), 0.9 * c);
+        let size = 0.08 + 0.01 * f32::from(k % 5);
+        let radiance = 1.0 + 0.7 * f32::from(k % 6);
+        let lamp = Material { double_sided: k % 3 == 0, ..emitter(radiance) };
+        stage.quad(at, Vec3::new(c, 0.2, s) * size, Vec3::new(s, 0.3, -c) * size, lamp);
+    }
+    let screen = Material { emission_texture: Some(srgb(0)), ..emitter(2.0) };
+    let corners = [[-0.4, 1.3], [1.2, 1.1], [1.4, -0.2], [0.1, 0.0]].map(Vec2::from);
+    let screen_mesh = quad_mesh(Vec3::new(0.0, 0.6, -1.3), Vec3::X, Vec3::Y * 0.6);
+    let screen = stage.mesh(with_uvs(screen_mesh, corners), screen);
+    stage.place(screen, Affine3A::IDENTITY);
+    punctual(&mut stage);
+    compare("many lights", &stage.scene, &small(), Visible { mean: 0.04, tile: 0.15 });
+}

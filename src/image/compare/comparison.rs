@@ -283,6 +283,8 @@ fn notes(actual: &PictureFile, expected: &PictureFile, has_verdict: bool) -> Vec
         "max_bounces",
         "only_bounce",
         "light_samples",
+        "light_selection",
+        "light_candidates",
         "roulette",
         "path_reuse",
         "camera",

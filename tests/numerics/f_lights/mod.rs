@@ -4,6 +4,7 @@ mod choice;
 mod environment;
 mod samples;
 mod spheres;
+mod tree;
 mod triangles;
 
 use crate::common::{
