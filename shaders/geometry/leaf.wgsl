@@ -19,7 +19,7 @@ var<private> leaf_is_camera: bool;
 // At equal distance: whether p precedes the best hit's primitive in scene order, so
 // that the result does not depend on the tree.
 fn leaf_comes_first(p: Primitive, best: u32) -> bool {
-    return best != INVALID && primitive_source(p) < primitive_source(primitive_load(best));
+    return best != INVALID && primitive_source(p) < primitive_source(primitive_of(best));
 }
 
 #if TRIANGLES
@@ -78,6 +78,9 @@ fn leaf_accept(ray: Ray, p: Primitive, hit: Hit, best: ptr<function, Hit>) {
 #endif
         if comes_first {
             *best = hit;
+#if PACKETS
+            primitive_met = p;
+#endif
         }
     }
 }

@@ -21,6 +21,21 @@ fn primitive_load(index: u32) -> Primitive {
     );
 }
 
+#if PACKETS
+// The record of the nearest hit of the last walk: a packet has loaded it for all its threads, each of
+// which would load one of its own.
+var<private> primitive_met: Primitive;
+#endif
+
+// The record of the hit that the last walk found.
+fn primitive_of(hit: u32) -> Primitive {
+#if PACKETS
+    return primitive_met;
+#else
+    return primitive_load(hit);
+#endif
+}
+
 fn primitive_material(p: Primitive) -> u32 {
     return p.a.w & ~(PRIMITIVE_HAS_ALPHA | PRIMITIVE_IS_CULLED);
 }

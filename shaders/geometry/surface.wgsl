@@ -43,8 +43,9 @@ fn surface_unit(v: vec3<f32>) -> vec3<f32> {
     return select(normalize(v / m), vec3<f32>(0.0, 0.0, 1.0), m == 0.0);
 }
 
+// Where the last walk has hit.
 fn surface_at(ray: Ray, hit: Hit) -> Surface {
-    let p = primitive_load(hit.primitive);
+    let p = primitive_of(hit.primitive);
     var s: Surface;
     s.material = primitive_material(p);
     s.light = primitive_light(p);

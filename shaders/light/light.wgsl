@@ -59,7 +59,11 @@ struct Light {
     cell_side: u32,
 }
 
+#if UNIFORM_LIGHTS
+@group(0) @binding(6) var<uniform> lights: array<Light, LIGHT_SLOTS>;
+#else
 @group(0) @binding(6) var<storage, read> lights: array<Light>;
+#endif
 
 fn light_none() -> LightSample {
     return LightSample(vec3<f32>(0.0), 0.0, vec3<f32>(0.0), vec3<f32>(0.0), false);

@@ -71,7 +71,11 @@ struct Material {
     padding_1: u32,
 }
 
+#if UNIFORM_MATERIALS
+@group(0) @binding(5) var<uniform> materials: array<Material, MATERIAL_SLOTS>;
+#else
 @group(0) @binding(5) var<storage, read> materials: array<Material>;
+#endif
 
 // The base colour at s.
 fn material_base(m: Material, s: Surface) -> vec3<f32> {

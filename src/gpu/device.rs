@@ -200,6 +200,17 @@ impl Device {
         self.device.create_buffer_init(&BufferInitDescriptor { label, contents, usage })
     }
 
+    /// A table that shaders can read both from storage and as uniforms: filled up with zeros to
+    /// `size` bytes.
+    pub(super) fn table_buffer(&self, label: &str, bytes: &[u8], size: usize) -> wgpu::Buffer {
+        use wgpu::util::{BufferInitDescriptor, DeviceExt};
+        let mut contents = bytes.to_vec();
+        contents.resize(size, 0);
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE;
+        let (label, contents) = (Some(label), &contents[..]);
+        self.device.create_buffer_init(&BufferInitDescriptor { label, contents, usage })
+    }
+
     /// A buffer that shaders can read and copies can fill.
     pub(crate) fn storage_buffer(&self, label: &str, bytes: &[u8]) -> wgpu::Buffer {
         use wgpu::util::DeviceExt;

@@ -3,10 +3,13 @@
 use super::limits::{check_binding, mebibytes};
 use super::materials::{Spread, TEXTURE_BUFFERS};
 use super::world::{Emitter, TreeWidth, World};
-use super::{BufferFacts, Device, DeviceInfo, albedos, environment, lights, materials};
+use super::{
+    BufferFacts, Device, DeviceInfo, GpuLight, GpuMaterial, albedos, environment, lights, materials,
+};
 use crate::scene::Scene;
 use crate::settings::RenderSettings;
 use crate::shader::Features;
+use crate::shader::generated::{LIGHT_SLOTS, MATERIAL_SLOTS};
 use crate::{Error, Result};
 
 /// Everything of the scene that the device reads, still in memory.
@@ -31,6 +34,11 @@ pub struct GpuScene {
 }
 
 const FEWER_EMITTERS: &str = "use fewer emissive triangles";
+/// What every device can bind as uniforms.
+const UNIFORM_BYTES: usize = 64 << 10;
+const _: () = assert!(MATERIAL_SLOTS as usize * size_of::<GpuMaterial>() <= UNIFORM_BYTES);
+const _: () = assert!(LIGHT_SLOTS as usize * size_of::<GpuLight>() <= UNIFORM_BYTES);
+
 const SMALLER_MAP: &str = "reduce it with --max-environment-size";
 
 impl SceneBuffers {
@@ -112,7 +120,7 @@ impl SceneBuffers {
         let bytes = arrays.iter().map(|(_, _, b)| b.len() as u64).sum::<u64>()
             + self.materials.texture_bytes() as u64;
         let mut buffers: Vec<_> =
-            arrays.iter().map(|(name, _, b)| (*name, device.storage_buffer(name, b))).collect();
+            arrays.iter().map(|(name, _, b)| (*name, buffer_of(device, name, b))).collect();
         // Kernels that read several bind them all; what they do not reach may be empty.
         for (index, name) in TEXTURE_BUFFERS.into_iter().enumerate() {
             let words = textures.get(index).map_or(&[][..], |words| words);
@@ -125,6 +133,22 @@ impl SceneBuffers {
         let has_split_textures = spread != Spread::One;
         let (facts, choosing) = (self.facts(), self.choosing);
         Ok(GpuScene { buffers, bytes, facts, emitters, choosing, has_split_textures })
+    }
+}
+
+/// Bytes of the uniform buffer that the table of this name fits in, if it is short enough.
+fn uniform_bytes(name: &str) -> usize {
+    match name {
+        "materials" => MATERIAL_SLOTS as usize * size_of::<GpuMaterial>(),
+        "lights" => LIGHT_SLOTS as usize * size_of::<GpuLight>(),
+        _ => 0,
+    }
+}
+
+fn buffer_of(device: &Device, name: &str, bytes: &[u8]) -> wgpu::Buffer {
+    match uniform_bytes(name) {
+        size if bytes.len() <= size => device.table_buffer(name, bytes, size),
+        _ => device.storage_buffer(name, bytes),
     }
 }
 
@@ -157,7 +181,7 @@ impl GpuScene {
         ] {
             check_binding(device.info(), &format!("the scene's {name}"), contents.len(), remedy)?;
             if let Some((_, buffer)) = buffers.iter_mut().find(|(n, _)| *n == name) {
-                let made = device.storage_buffer(name, contents);
+                let made = buffer_of(device, name, contents);
                 bytes = bytes.saturating_sub(buffer.size()) + made.size();
                 *buffer = made;
             }
@@ -176,6 +200,12 @@ impl GpuScene {
     /// Whether the textures are in several buffers.
     pub fn has_split_textures(&self) -> bool {
         self.has_split_textures
+    }
+
+    /// Whether the table of this name can be read as uniforms.
+    pub fn is_uniform(&self, name: &str) -> bool {
+        let is_uniform = |b: &wgpu::Buffer| b.usage().contains(wgpu::BufferUsages::UNIFORM);
+        self.buffers.iter().any(|(n, buffer)| *n == name && is_uniform(buffer))
     }
 
     /// Buffers by the names of the shaders' variables.

@@ -2,7 +2,7 @@
 
 use super::RenderStatistics;
 use crate::Result;
-use crate::gpu::{Device, GpuScene, SceneBuffers, TreeWidth};
+use crate::gpu::{Device, DeviceKind, GpuScene, SceneBuffers, TreeWidth};
 use crate::passes::FloatEnvironment;
 use crate::scene::Scene;
 use crate::settings::{Accel, LightSelection, RenderSettings};
@@ -87,6 +87,12 @@ impl PreparedScene {
         self.statistics.bvh_seconds
     }
 
+    /// Whether a table is read as uniforms: on a GPU lanes that read different entries would wait for
+    /// each other.
+    fn reads_uniforms(&self, table: &str) -> bool {
+        self.device.info().kind == DeviceKind::Cpu && self.buffers.is_uniform(table)
+    }
+
     /// What a render needs. Spheres have the anchors that they were prepared with, wherever the
     /// camera is now, and trees are those that were built.
     pub(super) fn features(&self, scene: &Scene, settings: &RenderSettings) -> Features {
@@ -94,6 +100,8 @@ impl PreparedScene {
         let settings = RenderSettings { accel, light_selection, ..settings.clone() };
         let features = Features::of(scene, &settings)
             .with_if(Feature::Packets, self.has_packets)
+            .with_if(Feature::UniformMaterials, self.reads_uniforms("materials"))
+            .with_if(Feature::UniformLights, self.reads_uniforms("lights"))
             .with_if(Feature::SplitTextures, self.buffers.has_split_textures());
         match self.has_anchors || settings.all_features {
             true => features.with_if(Feature::AnchoredSpheres, self.has_anchors),

@@ -124,6 +124,10 @@ features! {
     PathReuse = "PATH_REUSE",
     /// Sobol points instead of independent ones.
     Sobol = "SOBOL",
+    /// The materials are few enough for a uniform buffer, which software devices read without branches.
+    UniformMaterials = "UNIFORM_MATERIALS",
+    /// The lights are, too.
+    UniformLights = "UNIFORM_LIGHTS",
     /// Pixels stop one by one: the film is a list of those that go on.
     Adaptive = "ADAPTIVE",
     /// They stop by the seed's rule, which looks at single samples.
@@ -147,6 +151,8 @@ impl Feature {
             self,
             SplitTextures
                 | Packets
+                | UniformMaterials
+                | UniformLights
                 | BruteForce
                 | Nee
                 | ManyLightSamples

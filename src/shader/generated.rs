@@ -29,6 +29,10 @@ pub const LIST_PADDING: u32 = 256;
 pub const ALBEDO_TABLE_SIDE: u32 = 48;
 /// Fourth root of the alpha of its first row; the last one's is 1.
 pub const ALBEDO_TABLE_LEAST: f32 = 0.177_827_94;
+/// Materials, and lights, that a uniform buffer holds: at most 64 KiB of them.
+pub const MATERIAL_SLOTS: u32 = 256;
+/// See [`MATERIAL_SLOTS`].
+pub const LIGHT_SLOTS: u32 = 512;
 /// `vec4`s of an instance's record in the node buffer.
 pub const TREE_RECORD_SIZE: u32 = 8;
 
@@ -182,6 +186,8 @@ pub fn wgsl(stack_size: u32, workgroup_size: u32) -> String {
         ("MATERIAL_VOLUME", material::VOLUME),
         ("MATERIAL_UNLIT", material::UNLIT),
         ("MATERIAL_SPECULAR_GLOSSINESS", material::SPECULAR_GLOSSINESS),
+        ("MATERIAL_SLOTS", MATERIAL_SLOTS),
+        ("LIGHT_SLOTS", LIGHT_SLOTS),
         ("FEW_LIGHTS", FEW_LIGHTS),
         ("LIGHT_NODE_LEAF", LIGHT_NODE_LEAF),
         ("LIGHT_NODE_DOUBLE_SIDED", LIGHT_NODE_DOUBLE_SIDED),
