@@ -33,6 +33,33 @@ fn extreme_boxes_make_valid_trees() {
     }
 }
 
+/// Shapes that leave a builder nothing to choose by, or lead it to a path for every item.
+#[test]
+fn equal_and_nested_boxes_make_shallow_trees() {
+    let item = |min: Vec3, max: Vec3| BuildItem {
+        bounds: Aabb { min, max },
+        kind: PrimitiveKind::Triangle,
+    };
+    let equal = vec![item(Vec3::ZERO, Vec3::ONE); 10_000];
+    // All around the origin, each larger by the same step: the nearest to any is the one inside.
+    let nested = |i: usize| item(Vec3::splat(-(i as f32)), Vec3::splat(i as f32));
+    let nested: Vec<_> = (1..=10_000).map(nested).collect();
+    // Side by side, each much larger than all before.
+    let growing = |i: i32| {
+        let size = 1.3_f32.powi(i);
+        item(Vec3::splat(size), Vec3::splat(1.3 * size))
+    };
+    let growing: Vec<_> = (-250..250).map(growing).collect();
+    for (shape, items) in [("equal", equal), ("nested", nested), ("growing", growing)] {
+        for (name, build) in BUILDERS {
+            let statistics =
+                build(&items).validate(&items).unwrap_or_else(|e| panic!("{name}, {shape}: {e}"));
+            // Equal ones are halved: 14 levels to single items.
+            assert!(shape != "equal" || statistics.depth <= 14, "{name}: {}", statistics.depth);
+        }
+    }
+}
+
 #[test]
 fn the_tree_does_not_depend_on_the_number_of_threads() {
     let items = items(&soup(150_000, 50_000, &mut Random(500)));

@@ -218,20 +218,6 @@ impl<R: SplitRule> Subdivision<'_, R> {
     }
 }
 
-/// Moves the items for which `is_left` holds to the front; returns how many. Always
-/// swaps, as no branch can be predicted here.
-pub(super) fn partition(
-    references: &mut [Reference],
-    is_left: impl Fn(&Reference) -> bool,
-) -> usize {
-    let mut left = 0;
-    for i in 0..references.len() {
-        references.swap(left, i);
-        left += usize::from(is_left(&references[left]));
-    }
-    left
-}
-
 /// Builds a tree over `items` with the given rule.
 ///
 /// # Panics
@@ -240,14 +226,7 @@ pub(super) fn build(items: &[BuildItem], rule: &impl SplitRule) -> Bvh {
     assert!(items.len() <= MAX_ITEMS, "{} items, {MAX_ITEMS} fit a tree", items.len());
     let mut references: Vec<Reference> = items.par_iter().enumerate().map(reference).collect();
     if items.is_empty() {
-        let root = BvhNode { children: [empty_leaf(); 2] };
-        return Bvh {
-            nodes: vec![root],
-            order: Vec::new(),
-            grid_min: Vec3::ZERO,
-            grid_scale: Vec3::ZERO,
-            depth: 1,
-        };
+        return empty();
     }
     let grid = Grid::new(Extent::of(&references).bounds());
     let mut slots = vec![Slot { boxes: [[0; 3]; 2], splits: [0; 2] }; items.len() - 1];
@@ -271,6 +250,17 @@ pub(super) fn build(items: &[BuildItem], rule: &impl SplitRule) -> Bvh {
     }
 }
 
+/// A root with nothing in it.
+pub(super) fn empty() -> Bvh {
+    Bvh {
+        nodes: vec![BvhNode { children: [empty_leaf(); 2] }],
+        order: Vec::new(),
+        grid_min: Vec3::ZERO,
+        grid_scale: Vec3::ZERO,
+        depth: 1,
+    }
+}
+
 fn reference((index, item): (usize, &BuildItem)) -> Reference {
     let bounds = item.bounds;
     debug_assert!(bounds.min.is_finite() && bounds.max.is_finite(), "item {index} is not finite");
@@ -280,7 +270,7 @@ fn reference((index, item): (usize, &BuildItem)) -> Reference {
 
 /// A leaf of no primitives with a box of no extent. A box with its planes
 /// exchanged would not do: the test for a hit sorts them.
-fn empty_leaf() -> BvhChild {
+pub(super) fn empty_leaf() -> BvhChild {
     BvhChild { x: 0, y: 0, z: 0, link: leaf_link(PrimitiveKind::Triangle, 0, 0) }
 }
 

@@ -14,15 +14,20 @@
 //! [`Bvh::validate`] proves a tree and measures it.
 
 mod arithmetic;
+mod binary;
 mod bounds;
 mod build_median;
 mod build_sah;
 mod builder;
+mod cluster;
 mod grid_ray;
+mod layout;
+mod morton;
 mod node;
 mod quantise;
 #[cfg(test)]
 mod random;
+mod reinsert;
 mod spawn;
 mod sphere;
 mod traverse;

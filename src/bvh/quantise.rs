@@ -58,20 +58,17 @@ fn density(scale: f32) -> f64 {
 
 /// The greatest plane that is not above `x`.
 fn lower_plane(min: f32, scale: f32, density: f64, x: f32) -> u32 {
-    let mut q = plane_near(min, density, x);
-    while q > 0 && decode(min, scale, q) > f64::from(x) {
-        q -= 1;
-    }
-    q
+    let q = plane_near(min, density, x);
+    // The guess errs by one at most; without branches, which none could predict.
+    q - u32::from(q > 0 && decode(min, scale, q) > f64::from(x))
 }
 
 /// The least plane that is not below `x`.
 fn upper_plane(min: f32, scale: f32, density: f64, x: f32) -> u32 {
-    let mut q = plane_near(min, density, x);
-    while q < GRID_MAX && decode(min, scale, q) < f64::from(x) {
-        q += 1;
-    }
-    q
+    let is_below = |q: u32| u32::from(q < GRID_MAX && decode(min, scale, q) < f64::from(x));
+    let q = plane_near(min, density, x);
+    let q = q + is_below(q);
+    q + is_below(q)
 }
 
 /// The plane at or just below `x`, to rounding.

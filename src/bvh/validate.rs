@@ -57,11 +57,22 @@ impl Bvh {
         if statistics.depth != self.depth {
             return Err(format!("depth is {}, not {}", statistics.depth, self.depth));
         }
+        statistics.sah_cost = self.sah_cost();
+        Ok(statistics)
+    }
+
+    /// Expected work of a ray that meets the root's bounds: see [`BvhStatistics::sah_cost`].
+    pub fn sah_cost(&self) -> f64 {
+        let cost = |child: &BvhChild| match child.target() {
+            Some(Link::Inner { .. }) => area(&self.planes(child)) * f64::from(TRAVERSAL_COST),
+            Some(Link::Leaf { count, .. }) => area(&self.planes(child)) * f64::from(count),
+            None => 0.0,
+        };
+        let costs: f64 = self.nodes.iter().flat_map(|node| &node.children).map(cost).sum();
         let root = self.nodes[0].children.map(|child| self.planes(&child));
         let root_area = area(&union(&root[0], &root[1]));
-        let relative = if root_area > 0.0 { statistics.sah_cost / root_area } else { 0.0 };
-        statistics.sah_cost = f64::from(TRAVERSAL_COST) + relative;
-        Ok(statistics)
+        let relative = if root_area > 0.0 { costs / root_area } else { 0.0 };
+        f64::from(TRAVERSAL_COST) + relative
     }
 
     fn planes(&self, child: &BvhChild) -> Planes {
@@ -105,11 +116,9 @@ impl Check<'_> {
                     return Err(format!("{name}: node {below} comes before it"));
                 }
                 Some(Link::Inner { node: below }) => {
-                    self.statistics.sah_cost += area(&planes) * f64::from(TRAVERSAL_COST);
                     self.node(below, inside, depth + 1)?;
                 }
                 Some(Link::Leaf { kind, first, count }) => {
-                    self.statistics.sah_cost += area(&planes) * f64::from(count);
                     self.leaf(kind, first, count, &inside).map_err(|e| format!("{name}: {e}"))?;
                 }
             }

@@ -26,12 +26,31 @@ pub struct Batch<'a> {
     pub workgroups: u32,
 }
 
+/// A [`Batch`] that is compiled and whose arrays are on the device: to run it more than once.
+pub struct PreparedBatch {
+    kernel: Kernel,
+    bind_group: wgpu::BindGroup,
+    output: wgpu::Buffer,
+    staging: wgpu::Buffer,
+    workgroups: u32,
+}
+
 impl Batch<'_> {
     /// Compiles, runs, and gives the output buffer's bytes.
     ///
     /// # Errors
     /// [`Error::Shader`], [`Error::DeviceLost`]; [`Error::Limit`] for a scene.
     pub fn run(&self, device: &Device) -> Result<Vec<u8>> {
+        let prepared = self.prepare(device)?;
+        prepared.dispatch(device)?;
+        prepared.read(device)
+    }
+
+    /// Compiles and copies to the device.
+    ///
+    /// # Errors
+    /// [`Error::Shader`], [`Error::DeviceLost`]; [`Error::Limit`] for a scene.
+    pub fn prepare(&self, device: &Device) -> Result<PreparedBatch> {
         let scene = self.scene.map(|(s, settings)| self.upload(device, s, settings));
         let scene = scene.transpose()?;
         let (features, stack_size) =
@@ -61,23 +80,42 @@ impl Batch<'_> {
             buffers.extend(scene.buffers.buffers().map(|(name, buffer)| (name as &str, buffer)));
         }
         let bind_group = kernel.bind(device, &buffers);
+        let workgroups = self.workgroups;
+        Ok(PreparedBatch { kernel, bind_group, output, staging, workgroups })
+    }
+}
 
+impl PreparedBatch {
+    /// Runs once and waits for the end.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`].
+    pub fn dispatch(&self, device: &Device) -> Result<()> {
         let mut encoder = device.device.create_command_encoder(&Default::default());
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());
-            pass.set_pipeline(&kernel.pipeline);
-            pass.set_bind_group(0, &bind_group, &[]);
+            pass.set_pipeline(&self.kernel.pipeline);
+            pass.set_bind_group(0, &self.bind_group, &[]);
             pass.dispatch_workgroups(self.workgroups, 1, 1);
         }
-        encoder.copy_buffer_to_buffer(&output, 0, &staging, 0, size);
         device.queue.submit([encoder.finish()]);
-        staging.slice(..).map_async(wgpu::MapMode::Read, |_| ());
+        device.wait()
+    }
+
+    /// The output buffer's bytes.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`].
+    pub fn read(&self, device: &Device) -> Result<Vec<u8>> {
+        let mut encoder = device.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(&self.output, 0, &self.staging, 0, self.output.size());
+        device.queue.submit([encoder.finish()]);
+        self.staging.slice(..).map_async(wgpu::MapMode::Read, |_| ());
         device.wait()?;
-        let view = staging
-            .slice(..)
-            .get_mapped_range()
-            .map_err(|e| Error::DeviceLost(format!("reading {name}: {e}")))?;
-        Ok(view.to_vec())
+        let view = self.staging.slice(..).get_mapped_range();
+        let bytes = view.map_err(|e| Error::DeviceLost(format!("reading output: {e}")))?.to_vec();
+        self.staging.unmap();
+        Ok(bytes)
     }
 }
 

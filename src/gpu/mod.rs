@@ -19,7 +19,7 @@ mod wide;
 mod world;
 mod world_source;
 
-pub use batch::Batch;
+pub use batch::{Batch, PreparedBatch};
 pub use device::{Device, DeviceInfo, DeviceKind};
 pub use frame::BufferFacts;
 pub(crate) use limits::check_binding;

@@ -4,10 +4,10 @@
 //! with the spheres, in the leaves of the top tree. Meshes that many instances share
 //! have a tree of their own in object space; their instances are leaves of the top tree.
 
-use super::wide;
+use super::wide::WideTree;
 use super::world_source::{Sources, Triangle};
 use crate::bvh::{
-    Aabb, BuildItem, Bvh, LEAF_BIT, LEAF_FIRST_MASK, LEAF_KIND_MASK, LEAF_KIND_SHIFT,
+    Aabb, BuildItem, Bvh, BvhChild, LEAF_BIT, LEAF_FIRST_MASK, LEAF_KIND_MASK, LEAF_KIND_SHIFT,
     PrimitiveKind, build_median, build_sah,
 };
 use crate::scene::Scene;
@@ -15,6 +15,7 @@ use crate::settings::Accel;
 use crate::shader::generated::{PRIMITIVE_HAS_ALPHA, PRIMITIVE_IS_CULLED, TREE_RECORD_SIZE};
 use crate::{Error, Result};
 use glam::{Affine3A, Vec3};
+use rayon::prelude::*;
 
 /// What stack sizes are multiples of. Workgroups of 64 then take 2 KiB more at a time, and scenes
 /// share the kernels that their drivers have compiled.
@@ -98,12 +99,22 @@ pub enum EmitterShape {
     },
 }
 
-/// A tree under construction and the primitives of its items.
+/// Three words of a primitive.
+type Record = [[u32; 4]; 3];
+
+/// A tree and where its primitives' records begin.
 struct Tree {
     bvh: Bvh,
-    /// Word of each item's record, or nothing for an instance.
-    records: Vec<[[u32; 4]; 3]>,
     first_record: u32,
+}
+
+/// What is kept of a tree when its nodes and records are with the others.
+struct Root {
+    link: u32,
+    grid: [Vec3; 2],
+    /// Levels as built, and on the device.
+    depth: u32,
+    device_depth: u32,
 }
 
 impl World {
@@ -138,7 +149,7 @@ impl World {
 
     /// The tree of `scene` whose leaves are triangles, spheres and placed meshes.
     pub fn top_tree(scene: &Scene, accel: Accel) -> Bvh {
-        let (items, _) = top_items(scene, &Sources::gather(scene, true));
+        let items = top_items(&Sources::gather(scene, true));
         match accel {
             Accel::Median => build_median(&items),
             Accel::Bvh | Accel::None => build_sah(&items),
@@ -155,88 +166,101 @@ impl World {
             Accel::Median => build_median(items),
             Accel::Bvh | Accel::None => build_sah(items),
         };
-        let mut next_record = 0;
-        let mut below = Vec::new();
-        for mesh in &sources.shared {
-            let items: Vec<_> = mesh.iter().map(triangle_item).collect();
-            let records = mesh.iter().map(|t| triangle_record(t, scene)).collect();
-            let bvh = build(&items);
-            below.push(Tree { bvh, records, first_record: next_record });
-            next_record += mesh.len() as u32;
-        }
-        let (items, records) = top_items(scene, sources);
-        let bvh = build(&items);
-        if let Ok(statistics) = bvh.validate(&items) {
-            self.statistics.sah_cost = statistics.sah_cost;
-        }
-        let top = Tree { bvh, records, first_record: next_record };
-
         let record_words = (1 + sources.instances.len()) * TREE_RECORD_SIZE as usize;
         self.nodes = vec![[0; 4]; record_words];
-        let roots: Vec<u32> = below.iter().map(|t| self.append(t, &[])).collect();
+        self.primitives.reserve_exact(3 * (sources.count() + sources.instances.len()));
+        let mut below = Vec::new();
+        let mut first_record = 0;
+        for mesh in &sources.shared {
+            let items: Vec<_> = mesh.par_iter().map(triangle_item).collect();
+            let tree = Tree { bvh: build(&items), first_record };
+            below.push(self.append(tree, &[], |i| triangle_record(&mesh[i], scene)));
+            first_record += mesh.len() as u32;
+        }
+        let items = top_items(sources);
+        let bvh = build(&items);
+        drop(items);
+        self.statistics.sah_cost = bvh.sah_cost();
         let instance_records: Vec<u32> = (1..=sources.instances.len() as u32).collect();
-        let top_root = self.append(&top, &instance_records);
-        self.write_header(0, &top.bvh, top_root);
+        let spheres = sources.sphere_records();
+        let record = |i: usize| match i.checked_sub(sources.top.len()) {
+            None => triangle_record(&sources.top[i], scene),
+            // Instances have no primitive.
+            Some(beyond) => spheres.get(beyond).copied().unwrap_or_default(),
+        };
+        let top = self.append(Tree { bvh, first_record }, &instance_records, record);
+        self.write_header(0, &top);
         for (k, i) in sources.instances.iter().enumerate() {
             let record = (1 + k) * TREE_RECORD_SIZE as usize;
-            self.write_header(record, &below[i.shared].bvh, roots[i.shared]);
+            self.write_header(record, &below[i.shared]);
             self.write_rows(record + 2, i.world_from_object.inverse());
             self.write_rows(record + 5, i.world_from_object);
         }
-        let deepest = below.iter().map(|t| t.bvh.depth).max().unwrap_or(0);
-        let deepest_wide = below.iter().map(|t| wide::depth(&t.bvh)).max().unwrap_or(0);
-        self.statistics.tree_depth = top.bvh.depth + deepest;
-        self.statistics.node_count =
-            top.bvh.nodes.len() + below.iter().map(|t| t.bvh.nodes.len()).sum::<usize>();
+        let deepest = |of: fn(&Root) -> u32| of(&top) + below.iter().map(of).max().unwrap_or(0);
+        self.statistics.tree_depth = deepest(|root| root.depth);
+        let device_depth = deepest(|root| root.device_depth);
         // At most one link a level for every child but the one that is entered, the end
         // mark, and the mark of the way back from an instance.
         let links = match self.width {
-            TreeWidth::Two => self.statistics.tree_depth + 2,
-            TreeWidth::Four => 3 * (wide::depth(&top.bvh) + deepest_wide) + 2,
+            TreeWidth::Two => device_depth + 2,
+            TreeWidth::Four => 3 * device_depth + 2,
         };
         // In steps: trees of about the same depth have the same kernel.
         self.stack_size = links.next_multiple_of(STACK_STEP);
     }
 
-    /// Appends a tree's nodes and records; gives the link to its root. `instance_records`
+    /// Appends a tree's nodes, and the records of its items by their indices. `instance_records`
     /// numbers the records of the tree's instances, which are its last items.
-    fn append(&mut self, tree: &Tree, instance_records: &[u32]) -> u32 {
+    fn append(
+        &mut self,
+        tree: Tree,
+        instance_records: &[u32],
+        record: impl Fn(usize) -> Record + Sync,
+    ) -> Root {
+        let Tree { bvh, first_record } = tree;
         let base = self.nodes.len() as u32;
-        let first_instance = tree.records.len() - instance_records.len();
-        let relocate_leaf = |link: u32| {
-            let first = link & LEAF_FIRST_MASK;
-            let kind = link >> LEAF_KIND_SHIFT & LEAF_KIND_MASK;
-            let first = if kind == PrimitiveKind::Instance as u32 {
-                instance_records[tree.bvh.order[first as usize] as usize - first_instance]
+        let first_instance = bvh.order.len() - instance_records.len();
+        let relocated = |c: BvhChild, width: u32| {
+            let first = c.link & LEAF_FIRST_MASK;
+            let kind = c.link >> LEAF_KIND_SHIFT & LEAF_KIND_MASK;
+            let link = if c.link & LEAF_BIT == 0 {
+                base + width * c.link
+            } else if kind == PrimitiveKind::Instance as u32 {
+                let item = bvh.order[first as usize] as usize;
+                c.link & !LEAF_FIRST_MASK | instance_records[item - first_instance]
             } else {
-                tree.first_record + first
+                c.link & !LEAF_FIRST_MASK | (first_record + first)
             };
-            link & !LEAF_FIRST_MASK | first
+            [c.x, c.y, c.z, link]
         };
-        match self.width {
+        self.statistics.node_count += bvh.nodes.len();
+        let device_depth = match self.width {
             TreeWidth::Two => {
-                for c in tree.bvh.nodes.iter().flat_map(|n| n.children) {
-                    let is_leaf = c.link & LEAF_BIT != 0;
-                    let link = if is_leaf { relocate_leaf(c.link) } else { base + 2 * c.link };
-                    self.nodes.push([c.x, c.y, c.z, link]);
-                }
+                self.nodes.reserve_exact(2 * bvh.nodes.len());
+                let children = bvh.nodes.iter().flat_map(|n| n.children);
+                self.nodes.extend(children.map(|c| relocated(c, 2)));
+                bvh.depth
             }
             TreeWidth::Four => {
-                for c in wide::collapse(&tree.bvh).into_iter().flatten() {
-                    let is_leaf = c.link & LEAF_BIT != 0;
-                    let link = if is_leaf { relocate_leaf(c.link) } else { base + 4 * c.link };
-                    self.nodes.push([c.x, c.y, c.z, link]);
-                }
+                let WideTree { nodes, depth } = WideTree::new(&bvh);
+                self.nodes.reserve_exact(4 * nodes.len());
+                self.nodes.extend(nodes.iter().flatten().map(|&c| relocated(c, 4)));
+                depth
             }
-        }
-        self.primitives.extend(tree.bvh.order.iter().flat_map(|&i| tree.records[i as usize]));
-        base
+        };
+        let held = self.primitives.len();
+        self.primitives.resize(held + 3 * bvh.order.len(), [0; 4]);
+        let records = self.primitives[held..].par_chunks_exact_mut(3);
+        records.zip(&bvh.order).for_each(|(words, &i)| words.copy_from_slice(&record(i as usize)));
+        let grid = [bvh.grid_min, bvh.grid_scale];
+        Root { link: base, grid, depth: bvh.depth, device_depth }
     }
 
-    fn write_header(&mut self, at: usize, bvh: &Bvh, root: u32) {
+    fn write_header(&mut self, at: usize, root: &Root) {
         let words = |v: Vec3, w: u32| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w];
-        self.nodes[at] = words(bvh.grid_min, root);
-        self.nodes[at + 1] = words(bvh.grid_scale, 0);
+        let [min, scale] = root.grid;
+        self.nodes[at] = words(min, root.link);
+        self.nodes[at + 1] = words(scale, 0);
     }
 
     fn write_rows(&mut self, at: usize, m: Affine3A) {
@@ -248,20 +272,17 @@ impl World {
 }
 
 /// Items of the top tree: triangles, spheres, instances, in this order.
-fn top_items(scene: &Scene, sources: &Sources) -> (Vec<BuildItem>, Vec<[[u32; 4]; 3]>) {
-    let mut items: Vec<_> = sources.top.iter().map(triangle_item).collect();
-    let mut records: Vec<_> = sources.top.iter().map(|t| triangle_record(t, scene)).collect();
+fn top_items(sources: &Sources) -> Vec<BuildItem> {
+    let mut items: Vec<_> = sources.top.par_iter().map(triangle_item).collect();
     items.extend(sources.spheres.iter().map(|s| BuildItem {
         bounds: Aabb::of_sphere(s.center, s.radius),
         kind: PrimitiveKind::Sphere,
     }));
-    records.extend(sources.sphere_records());
-    for i in &sources.instances {
-        let bounds = instance_bounds(&sources.shared[i.shared], i.world_from_object);
-        items.push(BuildItem { bounds, kind: PrimitiveKind::Instance });
-        records.push([[0; 4]; 3]);
-    }
-    (items, records)
+    items.par_extend(sources.instances.par_iter().map(|i| BuildItem {
+        bounds: instance_bounds(&sources.shared[i.shared], i.world_from_object),
+        kind: PrimitiveKind::Instance,
+    }));
+    items
 }
 
 fn triangle_item(t: &Triangle) -> BuildItem {
@@ -279,7 +300,7 @@ fn instance_bounds(mesh: &[Triangle], world_from_object: Affine3A) -> Aabb {
     Aabb { min: bounds.min - margin, max: bounds.max + margin }
 }
 
-fn triangle_record(t: &Triangle, scene: &Scene) -> [[u32; 4]; 3] {
+fn triangle_record(t: &Triangle, scene: &Scene) -> Record {
     let opaque = scene.materials[t.material as usize].alpha_mode == crate::scene::AlphaMode::Opaque;
     let flag = |holds: bool, bit: u32| if holds { bit } else { 0 };
     let material =
