@@ -3,8 +3,8 @@
 use super::Interval;
 use crate::statistics::{normal_cdf, student_t_quantile};
 
-/// Resamples of an interval.
-pub const RESAMPLES: usize = 10_000;
+/// Resamples of an interval; the tests, which are of thousands of intervals, make do with fewer.
+pub const RESAMPLES: usize = if cfg!(test) { 2_000 } else { 10_000 };
 /// Confidence of the intervals.
 const CONFIDENCE: f64 = 0.95;
 
@@ -15,10 +15,6 @@ const CONFIDENCE: f64 = 0.95;
 ///
 /// The ends are NaN with fewer than two runs, or where a tail of the resamples has no number.
 pub fn resample(count: usize, statistic: impl Fn(&[usize]) -> f64) -> Interval {
-    of_draws(count, RESAMPLES, statistic)
-}
-
-fn of_draws(count: usize, resamples: usize, statistic: impl Fn(&[usize]) -> f64) -> Interval {
     let all: Vec<usize> = (0..count).collect();
     let value = statistic(&all);
     let unknown = Interval { value, low: f64::NAN, high: f64::NAN };
@@ -30,7 +26,7 @@ fn of_draws(count: usize, resamples: usize, statistic: impl Fn(&[usize]) -> f64)
     let level = normal_cdf(-(n / (n - 1.0)).sqrt() * t);
     let mut random = Random(0);
     let mut draws = vec![0; count];
-    let mut values: Vec<f64> = (0..resamples)
+    let mut values: Vec<f64> = (0..RESAMPLES)
         .map(|_| {
             draws.iter_mut().for_each(|i| *i = random.below(count));
             let value = statistic(&draws);
@@ -40,11 +36,11 @@ fn of_draws(count: usize, resamples: usize, statistic: impl Fn(&[usize]) -> f64)
         .collect();
     values.sort_by(f64::total_cmp);
     let missing = values.iter().filter(|v| v.is_nan()).count();
-    let rank = (level * resamples as f64) as usize;
+    let rank = (level * RESAMPLES as f64) as usize;
     if missing > rank {
         return unknown;
     }
-    Interval { value, low: values[rank], high: values[resamples - 1 - rank] }
+    Interval { value, low: values[rank], high: values[RESAMPLES - 1 - rank] }
 }
 
 /// The middle value, or the mean of the two; NaN of none.
@@ -100,7 +96,7 @@ pub(super) mod tests {
             let mut draw = normal(seed);
             let runs: Vec<f64> = (0..16).map(|_| (0.2 * draw()).exp()).collect();
             let of = |picks: &[usize]| picks.iter().map(|&i| runs[i]).sum::<f64>() / 16.0;
-            let interval = of_draws(16, 2000, of);
+            let interval = resample(16, of);
             interval.low <= mean && mean <= interval.high
         });
         assert!(low < 0.95 && 0.95 < high, "{low} {high}");

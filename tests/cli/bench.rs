@@ -153,7 +153,7 @@ fn a_speed_bench_that_cannot_be_is_refused_at_once() {
         (&[QUAD_LIGHT, "--runs", "1"], 2, "--runs"),
         (&[QUAD_LIGHT, "--targets", "0"], 2, "--targets"),
         (&[QUAD_LIGHT, "--targets", "1e-2,x"], 2, "--targets"),
-        (&[QUAD_LIGHT, "--times", "-1"], 2, "--times"),
+        (&[QUAD_LIGHT, "--times=-1"], 2, "--times"),
         (&[QUAD_LIGHT, "--against", "povray"], 2, "--against"),
         (&[QUAD_LIGHT, "--mitsuba-sampler", "independent"], 2, "--against"),
         (&[QUAD_LIGHT, "--noise", "5%"], 2, "--coverage"),

@@ -23,8 +23,9 @@ const TRUTH_SHARE: f64 = 0.1;
 const TRUTH_PIXELS: f64 = 0.99;
 /// Samples of a stream's first part; each part after it doubles what there is.
 const TRUTH_FIRST: u32 = 256;
-/// Runs of each rule.
+/// Runs of each rule, unless said otherwise, and at least.
 const RUNS: u32 = 64;
+const LEAST_RUNS: u32 = 8;
 /// Runs of a rule that tell how many samples it takes.
 const PILOT: u32 = 4;
 /// First seeds of runs, of their uniform counterparts, and of the truth's parts.
@@ -105,6 +106,10 @@ pub(super) fn run(flags: &BenchFlags) -> Result<ExitCode> {
     if let Some(path) = &flags.json {
         check_place(path)?;
     }
+    let runs = flags.runs.unwrap_or(RUNS);
+    if runs < LEAST_RUNS {
+        return Err(Error::Settings(format!("--runs {runs}: --coverage takes {LEAST_RUNS} at least")));
+    }
     let [scene] = &flags.scenes[..] else {
         return Err(Error::Settings("--coverage: one scene at a time".into()));
     };
@@ -114,7 +119,6 @@ pub(super) fn run(flags: &BenchFlags) -> Result<ExitCode> {
         return Err(Error::Settings(message.into()));
     };
     let device = Arc::new(Device::open(flags.device.as_deref())?);
-    let runs = flags.runs.unwrap_or(RUNS);
     let bench = Bench { job: &job, device: device.clone(), asked, runs };
     let truth = bench.truth(flags.truth_spp)?;
     let resolved = truth.resolved(TRUTH_SHARE * f64::from(asked.tolerance));
