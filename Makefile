@@ -13,9 +13,11 @@ NUMERICS ?= --include-ignored
 # Which study of the gallery: trees, hemisphere, shadows, parts, bounces, rates, roulette,
 # adaptive; all by default, which takes about twenty minutes on two idle cores.
 STUDY ?=
-# Scenes, flags and page of the measurement of speed; about ten minutes on two idle cores.
+# Scenes, flags and page of the measurement of speed; about twelve minutes on two idle cores.
 BENCH_SCENES ?= $(foreach name,cornell-box statue veach-mis environment many-lights,$(wildcard scenes/$(name)/$(name).gltf))
-BENCH ?= --resolution 256x256 --spp 4,16,64 --max-bounces 7
+BENCH ?= --resolution 128x128 --spp 4,16,64 --max-bounces 7 --scene-time 70s \
+	--ablation=1 --specialise=1 --startup --scale triangles,lights,pixels,bounces,threads \
+	--most-triangles 100000 --most-lights 1000
 SPEED ?= docs/speed.md
 PYTHON ?= python3
 

@@ -74,6 +74,17 @@ fn the_curves_of_two_scenes() {
     assert!(text.contains("(b/furnace-box-cpu.svg)"), "{text}");
 }
 
+/// A scene whose time is over has the least number of runs all the same.
+#[test]
+fn the_time_of_a_scene_ends_its_runs() {
+    let program = Program::new();
+    let few = ["--resolution", "8x8", "--spp", "4", "--runs", "50", "--scene-time", "0.001s"];
+    program.succeed(&[&["bench", QUAD_LIGHT, "--json", "b.json"][..], &few].concat());
+    let report = read_json(&program.path("b.json"));
+    let points = &section(&report, "quad-light")["data"]["methods"][0]["points"];
+    assert_eq!(points[0]["runs"].as_array().unwrap().len(), 4, "{points}");
+}
+
 /// With the size that the renders have, and the file's own standard errors.
 #[test]
 fn a_reference_from_a_file() {
@@ -112,7 +123,7 @@ fn costs_against_sizes() {
         .succeed(&[&["bench", "--resolution", "8x8", "--json", "b.json"][..], &flags].concat());
     let report = read_json(&program.path("b.json"));
     assert_tables(&report);
-    for (what, sizes) in [("triangles", 1), ("lights", 3), ("pixels", 4), ("bounces", 6)] {
+    for (what, sizes) in [("triangles", 2), ("lights", 3), ("pixels", 4), ("bounces", 6)] {
         let part = section(&report, &format!("Cost against {what}"));
         assert_eq!(part["data"]["sizes"].as_array().unwrap().len(), sizes, "{part}");
         for size in part["data"]["sizes"].as_array().unwrap() {

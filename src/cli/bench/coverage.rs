@@ -108,7 +108,9 @@ pub(super) fn run(flags: &BenchFlags) -> Result<ExitCode> {
     }
     let runs = flags.runs.unwrap_or(RUNS);
     if runs < LEAST_RUNS {
-        return Err(Error::Settings(format!("--runs {runs}: --coverage takes {LEAST_RUNS} at least")));
+        return Err(Error::Settings(format!(
+            "--runs {runs}: --coverage takes {LEAST_RUNS} at least"
+        )));
     }
     let [scene] = &flags.scenes[..] else {
         return Err(Error::Settings("--coverage: one scene at a time".into()));

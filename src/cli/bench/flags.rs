@@ -7,6 +7,7 @@ use crate::cli::stopping::{CONFIDENCE, PRESETS, StoppingFlags};
 use crate::cli::values::{self, Parsed};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
+use std::time::Duration;
 use steradian::settings::Crop;
 use steradian::stopping::{CalibratedRule, Preset};
 use steradian::{Error, Result};
@@ -50,6 +51,10 @@ pub(crate) struct BenchFlags {
     /// Independent runs of each point, with seeds of their own; 16 by default, 64 with --coverage
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=10_000))]
     pub(crate) runs: Option<u32>,
+
+    /// No more runs of a scene after this time, such as 90s or 2m, once there are four
+    #[arg(long, value_name = "TIME", value_parser = values::duration, conflicts_with = "coverage")]
+    pub(crate) scene_time: Option<Duration>,
 
     /// Errors to which the seconds are told
     #[arg(long, value_name = "E,...", value_delimiter = ',', default_value = "1e-2,1e-3", value_parser = positive)]

@@ -11,6 +11,7 @@ use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
+use std::time::Instant;
 use steradian::bench::{Curve, Difference, PictureErrors, Point, Reference, ReferenceParts, Run};
 use steradian::gpu::Device;
 use steradian::image::{ChannelData, ExrImage, read_exr};
@@ -24,6 +25,8 @@ const PARTS: u32 = 16;
 const REFERENCE_FACTOR: u32 = 8;
 /// First seeds of the references' parts; those of the runs begin at the asked one.
 const REFERENCE_SEEDS: u32 = 1 << 30;
+/// Runs that every point has, however long they take, unless fewer are asked for.
+const LEAST_RUNS: u32 = 4;
 /// Independent runs, unless said otherwise.
 pub(super) const RUNS: u32 = 16;
 
@@ -80,6 +83,7 @@ pub(super) fn measure(
     server: Option<&Rc<RefCell<Server>>>,
     with_variants: bool,
 ) -> Result<Measured> {
+    let begin = Instant::now();
     let points = flags.points();
     let most = points[points.len() - 1];
     let job = Job::new(path, &flags.job(most))?;
@@ -133,7 +137,7 @@ pub(super) fn measure(
         let lane = Mitsuba::new(server.clone(), base, &points);
         lanes.push((Box::new(lane), theirs, true));
     }
-    let methods = rounds(&mut lanes, points.len(), flags)?;
+    let methods = rounds(&mut lanes, points.len(), flags, begin)?;
     if let Some(default) = &methods[0].counts {
         facts.statistics = default.clone();
     }
@@ -235,6 +239,7 @@ fn rounds(
     lanes: &mut [(Box<dyn Lane>, Rc<Reference>, bool)],
     points: usize,
     flags: &BenchFlags,
+    begin: Instant,
 ) -> Result<Vec<Method>> {
     let runs = flags.runs.unwrap_or(RUNS);
     let empty = |(lane, _, is_rival): &(Box<dyn Lane>, Rc<Reference>, bool)| Method {
@@ -265,6 +270,9 @@ fn rounds(
             }
         }
         talk::line(&format!("  round {round} of {runs}"));
+        if round >= LEAST_RUNS && flags.scene_time.is_some_and(|time| begin.elapsed() >= time) {
+            break;
+        }
     }
     for (method, (lane, ..)) in methods.iter_mut().zip(lanes.iter()) {
         method.counts = lane.counts().cloned();

@@ -74,7 +74,8 @@ fn least_error(method: &Method) -> f64 {
 
 fn points(measured: &Measured) -> Table {
     let mut table = Table::new(
-        "Points: means over the runs with 95 % intervals; seconds are the median, least and largest.",
+        "Points: means over the runs with 95 % intervals; seconds are the median, least and largest. The \
+         reference's variance is taken off the first form of the error alone.",
         &[
             "method",
             "spp",
