@@ -13,7 +13,13 @@ NUMERICS ?= --include-ignored
 # Which study of the gallery: trees, hemisphere, shadows, parts, bounces, rates, roulette,
 # adaptive; all by default, which takes about twenty minutes on two idle cores.
 STUDY ?=
-BENCH_SCENE ?= scenes/cornell-spheres/cornell-spheres.gltf
+# Scenes, flags and page of the measurement of speed; about twelve minutes on two idle cores.
+BENCH_SCENES ?= $(foreach name,cornell-box statue veach-mis environment many-lights,$(wildcard scenes/$(name)/$(name).gltf))
+BENCH ?= --resolution 128x128 --spp 4,16,64 --max-bounces 7 --scene-time 70s \
+	--ablation=1 --specialise=1 --startup --scale triangles,lights,pixels,bounces,threads \
+	--most-triangles 100000 --most-lights 1000
+SPEED ?= docs/speed.md
+PYTHON ?= python3
 
 .DEFAULT_GOAL := help
 .PHONY: help setup demo test test-viewer test-report compare-study numerics gallery scenes bench fuzz lint fmt-check clean
@@ -59,14 +65,16 @@ gallery: setup ## Write docs/gallery.md and its pictures; STUDY=name for one stu
 scenes: ## Write the bundled scenes anew from their description
 	$(CARGO) run --release --example make_scenes
 
-bench: setup ## Samples per second against Mitsuba 3, if that is installed
+bench: setup ## Measure speed against error into docs/speed.md, beside Mitsuba 3 if that is installed
 	$(CARGO) build --release
-	@if python3 -c 'import mitsuba' 2>/dev/null; then \
-		python3 tools/bench_mitsuba.py $(BENCH_SCENE); \
-	else \
-		echo 'bench: the comparison needs Mitsuba 3: python3 -m pip install mitsuba' >&2; \
-		exit 1; \
-	fi
+	@rival='--against mitsuba'; \
+	if ! $(PYTHON) -c 'import mitsuba' 2>/dev/null; then \
+		echo 'bench: without Mitsuba 3, our own curves only: $(PYTHON) -m pip install mitsuba' >&2; \
+		rival=; \
+	fi; \
+	mkdir -p $(OUT); \
+	target/release/steradian bench $(BENCH_SCENES) $(BENCH) $$rival --python $(PYTHON) \
+		--markdown $(SPEED) --report $(OUT)/speed.html --json $(OUT)/speed.json >/dev/null
 
 fuzz: ## Feed the loader with random files, a minute for each target; FUZZ_SECONDS=n
 	tools/fuzz.sh $(FUZZ_SECONDS)

@@ -17,9 +17,10 @@
 //! pictures, and [`view`] makes such of other things than light. [`reference`](mod@reference) computes
 //! the same in another way, for tests to compare with. [`statistics`] knows numbers only; the
 //! comparison of pictures, [`image::compare`], stands on it, and [`testing`] on that: image tests of
-//! any renderer. Modules earlier in the drawing never use later ones, and `scene`, `bvh`, `shader`,
-//! `image`, `statistics`, `stopping` and `reference` do not know wgpu.
+//! any renderer. [`bench`] turns renders' errors and times into curves, tables and pages. Modules earlier in the drawing never use later ones, and `scene`, `bvh`, `shader`,
+//! `image`, `statistics`, `stopping`, `bench` and `reference` do not know wgpu.
 
+pub mod bench;
 pub mod bvh;
 pub mod error;
 pub mod film;

@@ -1,6 +1,5 @@
 //! The flags as they are spelt. [`super::job`] gives them their meaning.
 
-use super::bench::{RULES, Rule};
 use super::scene_flags::SceneFlags;
 use super::stopping::{MAP_COLORS, StoppingFlags};
 use super::talk::Verbosity;
@@ -182,13 +181,13 @@ pub(crate) struct SamplingFlags {
 
     /// Let the pixels of blocks of 4 by 2 share their paths from the second vertex on: less noise
     /// for the same time where light arrives in several steps, but alike within a block
-    #[arg(long, conflicts_with_all = ["noise", "adaptive"])]
+    #[arg(long)]
     pub(crate) path_reuse: bool,
 
     /// Trace in plain f64 on the processor, without a device: slow, and what the renderer is held to
     #[arg(long, conflicts_with_all = [
         "strategy", "light_samples", "light_selection", "light_candidates", "no_roulette", "path_reuse",
-        "sampler", "accel", "features", "noise", "adaptive",
+        "sampler", "accel", "features",
     ])]
     pub(crate) reference: bool,
 
@@ -198,7 +197,7 @@ pub(crate) struct SamplingFlags {
 
     /// Samples in a block, a power of two: part of what defines the picture's bits.
     /// By default at most a quarter of the samples, and at most 16
-    #[arg(long, value_name = "N", value_parser = values::block_size, conflicts_with_all = ["noise", "adaptive"])]
+    #[arg(long, value_name = "N", value_parser = values::block_size)]
     pub(crate) block: Option<u32>,
 
     /// Acceleration structure
@@ -263,41 +262,6 @@ impl EnvironmentFlags {
     pub(crate) fn without_rotation(&self) -> Self {
         Self { environment_rotation: None, ..self.clone() }
     }
-}
-
-/// Flags of `bench`.
-#[derive(Debug, Args)]
-pub(crate) struct BenchFlags {
-    /// The scene: a .gltf or .glb file
-    pub(crate) scene: PathBuf,
-
-    /// How well the rules by which pixels stop keep their word: many runs of each against a
-    /// truth that is known to a tenth of the tolerance
-    #[arg(long, required = true, requires = "noise", conflicts_with_all = ["time", "seed"])]
-    pub(crate) coverage: bool,
-
-    /// Runs of each rule
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(8..=10_000))]
-    pub(crate) runs: u32,
-
-    /// Rules to run
-    #[arg(long, value_name = "RULE,...", value_delimiter = ',', default_value = "seed,default,strict", value_parser = values::one_of(RULES))]
-    pub(super) rules: Vec<Rule>,
-
-    /// Samples of a pixel that the truth may take; 4096 at least
-    #[arg(long, value_name = "N", default_value_t = 262_144, value_parser = clap::value_parser!(u32).range(4096..))]
-    pub(crate) truth_spp: u32,
-
-    /// The figures as JSON
-    #[arg(long, value_name = "FILE")]
-    pub(crate) json: Option<PathBuf>,
-
-    /// Name or index of the device (see `steradian devices`)
-    #[arg(long, value_name = "NAME|INDEX", env = "STERADIAN_DEVICE")]
-    pub(crate) device: Option<String>,
-
-    #[command(flatten)]
-    pub(crate) job: JobFlags,
 }
 
 /// Flags of `info`.

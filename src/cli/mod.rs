@@ -46,7 +46,7 @@ enum Command {
     #[cfg(feature = "viewer")]
     View(Box<flags::ViewFlags>),
     /// Measure how fast and how well scenes are rendered
-    Bench(Box<flags::BenchFlags>),
+    Bench(Box<bench::BenchFlags>),
     /// Say what is in a scene, and what of it is honoured, approximated or ignored
     Info(flags::InfoFlags),
     /// Say how far pictures are from each other, and whether that is too far

@@ -13,7 +13,7 @@ const UNLIMITED_SPP: u32 = 1 << 31;
 /// Samples of a pixel at most where pixels stop one by one, and no number is given.
 const ADAPTIVE_SPP: u32 = 4096;
 /// Share of all cases in which an interval holds, unless said otherwise.
-const CONFIDENCE: f64 = 0.95;
+pub(super) const CONFIDENCE: f64 = 0.95;
 
 pub(crate) const PRESETS: &[(&str, Preset, &str)] = &[
     ("default", Preset::Default, "a pixel's evidence, and that of the neighbours of its kind"),
@@ -43,7 +43,7 @@ pub(crate) struct StoppingFlags {
     pub(crate) time: Option<Duration>,
 
     /// Each pixel until the half-width of its interval is this share of its mean, such as 0.05
-    #[arg(long, value_name = "TOL", value_parser = values::share)]
+    #[arg(long, value_name = "TOL", value_parser = values::share, conflicts_with_all = ["reference", "block"])]
     noise: Option<f32>,
 
     /// Confidence of that interval
@@ -56,7 +56,7 @@ pub(crate) struct StoppingFlags {
 
     /// Each pixel until 1.96 standard errors are this share of its mean, tested every BATCH
     /// samples: the rule that this project began with, for comparison
-    #[arg(long, value_name = "seed[:BATCH,TOL]", value_parser = seed_rule, conflicts_with = "noise")]
+    #[arg(long, value_name = "seed[:BATCH,TOL]", value_parser = seed_rule, conflicts_with_all = ["noise", "reference", "block"])]
     adaptive: Option<SeedRule>,
 }
 
@@ -78,6 +78,19 @@ fn seed_rule(text: &str) -> Parsed<SeedRule> {
 }
 
 impl StoppingFlags {
+    /// So many samples of every pixel.
+    pub(crate) fn of_spp(spp: Option<u32>) -> Self {
+        Self { spp, time: None, noise: None, confidence: None, preset: None, adaptive: None }
+    }
+
+    /// Each pixel until a noise, with so many samples at most.
+    pub(crate) fn of_noise(spp: Option<u32>, rule: &CalibratedRule) -> Self {
+        let CalibratedRule { tolerance, confidence, preset } = *rule;
+        let noise = Some(tolerance);
+        let (confidence, preset) = (Some(confidence), Some(preset));
+        Self { noise, confidence, preset, ..Self::of_spp(spp) }
+    }
+
     /// These, or, where nothing says when to stop, each pixel until this noise.
     #[cfg(feature = "viewer")]
     pub(crate) fn or_noise(mut self, tolerance: f32) -> Self {

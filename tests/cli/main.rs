@@ -2,6 +2,7 @@
 //! tests need a Vulkan device.
 
 mod bad_input;
+mod bench;
 mod flags;
 mod pictures;
 mod reference;

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 const CONFIDENCE: f64 = 0.95;
 
 /// A number with its interval at a confidence of 95 %.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Interval {
     /// The estimate.
     pub value: f64,

@@ -1,9 +1,9 @@
 //! `steradian bench --coverage`.
 
-use super::destination::check_place;
-use super::flags::BenchFlags;
-use super::job::Job;
-use super::talk;
+use super::BenchFlags;
+use crate::cli::destination::check_place;
+use crate::cli::job::Job;
+use crate::cli::{talk, values};
 use serde::Serialize;
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -23,6 +23,9 @@ const TRUTH_SHARE: f64 = 0.1;
 const TRUTH_PIXELS: f64 = 0.99;
 /// Samples of a stream's first part; each part after it doubles what there is.
 const TRUTH_FIRST: u32 = 256;
+/// Runs of each rule, unless said otherwise, and at least.
+const RUNS: u32 = 64;
+const LEAST_RUNS: u32 = 8;
 /// Runs of a rule that tell how many samples it takes.
 const PILOT: u32 = 4;
 /// First seeds of runs, of their uniform counterparts, and of the truth's parts.
@@ -103,18 +106,27 @@ pub(super) fn run(flags: &BenchFlags) -> Result<ExitCode> {
     if let Some(path) = &flags.json {
         check_place(path)?;
     }
-    let job = Job::new(&flags.scene, &flags.job)?;
+    let runs = flags.runs.unwrap_or(RUNS);
+    if runs < LEAST_RUNS {
+        return Err(Error::Settings(format!(
+            "--runs {runs}: --coverage takes {LEAST_RUNS} at least"
+        )));
+    }
+    let [scene] = &flags.scenes[..] else {
+        return Err(Error::Settings("--coverage: one scene at a time".into()));
+    };
+    let job = Job::new(scene, &flags.coverage_job()?)?;
     let Some(StoppingRule::Calibrated(asked)) = job.settings.stopping_rule() else {
         let message = "--coverage: the tolerance of --noise must be more than 0";
         return Err(Error::Settings(message.into()));
     };
     let device = Arc::new(Device::open(flags.device.as_deref())?);
-    let bench = Bench { job: &job, device: device.clone(), asked, runs: flags.runs };
+    let bench = Bench { job: &job, device: device.clone(), asked, runs };
     let truth = bench.truth(flags.truth_spp)?;
     let resolved = truth.resolved(TRUTH_SHARE * f64::from(asked.tolerance));
     let mut rows = Vec::new();
     for rule in &flags.rules {
-        let name = super::values::word_for(RULES, rule);
+        let name = values::word_for(RULES, rule);
         let report = bench.coverage(*rule, name, &truth)?;
         rows.push(Row {
             scene: &job.scene.name,
@@ -123,7 +135,7 @@ pub(super) fn run(flags: &BenchFlags) -> Result<ExitCode> {
             rule: name,
             tolerance: asked.tolerance,
             confidence: asked.confidence,
-            runs: flags.runs,
+            runs,
             limit: job.settings.spp,
             truth_spp: truth.samples(),
             truth_resolved: resolved,
