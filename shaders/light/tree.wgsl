@@ -5,9 +5,10 @@
 #import frame/frame
 #import sample/pcg
 
-// Pairs, the root's first, four words of four each: of both in the pair the centre and intensity;
-// radius, axis, cosines (of the cone that holds the normals, of the angle to them that light
-// leaves under), link. Then the ways to the lights: bit k says which of the pair on level k.
+// Pairs, the root's first, four words of four each: of both in the pair the centre and radius; x and
+// y of the axis, z and (upper half of an f32) intensity, cosines (of the cone that holds the normals,
+// of the angle to them that light leaves under), link. Then the ways to the lights: bit k says which
+// of the pair on level k.
 @group(0) @binding(13) var<storage, read> light_tree: array<vec4<u32>>;
 
 // Levels at most.
@@ -36,12 +37,8 @@ fn light_tree_angle(cosine: f32) -> vec2<f32> {
     return vec2<f32>(sqrt(max(0.0, (1.0 - cosine) * (1.0 + cosine))), cosine);
 }
 
-// As light_tree/mod.rs folds it.
-fn light_tree_axis(bits: u32) -> vec3<f32> {
-    let e = unpack2x16snorm(bits);
-    let z = 1.0 - abs(e.x) - abs(e.y);
-    let t = max(-z, 0.0);
-    return normalize(vec3<f32>(e + select(vec2<f32>(t), vec2<f32>(-t), e >= vec2<f32>(0.0)), z));
+fn light_tree_intensity(record: u32) -> f32 {
+    return bitcast<f32>(light_tree[record + 1u].y & 0xffff0000u);
 }
 
 // About the most that the lights of a record give to a place: intensity, times the cosine of the
@@ -49,21 +46,24 @@ fn light_tree_axis(bits: u32) -> vec3<f32> {
 fn light_tree_importance(record: u32, from_point: vec3<f32>) -> f32 {
     let place = bitcast<vec4<f32>>(light_tree[record]);
     let shape = light_tree[record + 1u];
-    let radius = bitcast<f32>(shape.x);
+    let axis = vec3<f32>(unpack2x16snorm(shape.x), unpack2x16snorm(shape.y).x);
+    let cosines = unpack2x16snorm(shape.z);
     let toward = from_point - place.xyz;
     let d2 = dot(toward, toward);
-    let r2 = radius * radius;
-    let cosines = unpack2x16snorm(shape.z);
-    var cosine = clamp(dot(light_tree_axis(shape.y), toward) / sqrt(max(d2, 1e-37)), -1.0, 1.0);
+    let r2 = place.w * place.w;
+    let near = 1.0 / max(max(d2, r2), 1e-37);
+    let per_distance = sqrt(near);
+    var cosine = clamp(dot(axis, toward) * per_distance, -1.0, 1.0);
     if (shape.w & LIGHT_NODE_DOUBLE_SIDED) != 0u {
         cosine = abs(cosine);
     }
     let seen = light_tree_less(light_tree_angle(cosine), light_tree_angle(cosines.x));
     // The angle under which the sphere about them is seen.
-    let ball = light_tree_angle(sqrt(max(0.0, 1.0 - r2 / max(d2, 1e-37))));
+    let sine = min(place.w * per_distance, 1.0);
+    let ball = vec2<f32>(sine, sqrt((1.0 - sine) * (1.0 + sine)));
     let least = select(light_tree_less(seen, ball).y, 1.0, d2 <= r2);
-    let importance = place.w * max(least, LIGHT_TREE_COSINE) / max(max(d2, r2), 1e-37);
-    return select(0.0, importance, least > cosines.y);
+    let intensity = bitcast<f32>(shape.y & 0xffff0000u);
+    return select(0.0, intensity * max(least, LIGHT_TREE_COSINE) * near, least > cosines.y);
 }
 
 // Probability of the first of a pair. Behind both, by intensity: someone must be chosen.
@@ -71,8 +71,8 @@ fn light_tree_first(base: u32, from_point: vec3<f32>) -> f32 {
     var a = light_tree_importance(base, from_point);
     var b = light_tree_importance(base + 2u, from_point);
     if !(a + b > 0.0) {
-        a = bitcast<f32>(light_tree[base].w);
-        b = bitcast<f32>(light_tree[base + 2u].w);
+        a = light_tree_intensity(base);
+        b = light_tree_intensity(base + 2u);
     }
     let share = a / (a + b);
     let safe = clamp(share, LIGHT_TREE_LEAST, 1.0 - LIGHT_TREE_LEAST);

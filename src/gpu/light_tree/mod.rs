@@ -8,9 +8,8 @@ mod build;
 use crate::shader::generated::{INVALID, LIGHT_NODE_DOUBLE_SIDED, LIGHT_NODE_LEAF};
 pub(super) use bounds::LightBounds;
 use build::{Node, NodeKind};
-use glam::{DVec2, DVec3};
 
-/// Words of `vec4`s of a pair: of each of the two the centre and intensity; radius, axis, cosines and link.
+/// `vec4`s of a pair, two for each of the two: see `light/tree.wgsl`.
 const PAIR: usize = 4;
 /// Relative to the brightest light's: what is dimmer counts as this.
 const LEAST_INTENSITY: f64 = 1e-30;
@@ -86,7 +85,7 @@ impl Flat {
     }
 }
 
-/// Two words of four: centre and relative intensity; radius, axis, cosines, and the link's bits.
+/// Two words of four: centre and radius; axis, relative intensity, cosines, and the link's bits.
 fn record(b: &LightBounds, brightest: f64) -> [[u32; 4]; 2] {
     let center = b.center().as_vec3();
     // Of a sphere that still holds the box when its centre is rounded.
@@ -96,9 +95,12 @@ fn record(b: &LightBounds, brightest: f64) -> [[u32; 4]; 2] {
     let below = |angle: f64, steps: f64| ((angle.cos() * 32767.0).floor() - steps).max(-32767.0);
     let cosines = [below(b.cone.angle, 2.0), below(b.emission_angle, 33.0)];
     let flags = if b.is_double_sided { LIGHT_NODE_DOUBLE_SIDED } else { 0 };
-    let [x, y, z] = center.to_array().map(f32::to_bits);
-    let axis = pack(octahedral(b.cone.axis).to_array().map(|e| (e * 32767.0).round()));
-    [[x, y, z, intensity.to_bits()], [radius.next_up().to_bits(), axis, pack(cosines), flags]]
+    let [x, y, z] = b.cone.axis.to_array().map(|e| (e * 32767.0).round());
+    let z_and_intensity = pack([z, 0.0]) | intensity.to_bits() & 0xffff_0000;
+    [
+        center.extend(radius.next_up()).to_array().map(f32::to_bits),
+        [pack([x, y]), z_and_intensity, pack(cosines), flags],
+    ]
 }
 
 /// As `unpack2x16snorm` reads it.
@@ -107,20 +109,10 @@ fn pack([a, b]: [f64; 2]) -> u32 {
     half(a) | half(b) << 16
 }
 
-/// A unit vector on the square from -1 to 1: a folded octahedron (Cigolle et al. 2014).
-fn octahedral(v: DVec3) -> DVec2 {
-    let e = v.truncate() / v.abs().element_sum();
-    let sign = |x: f64| if x >= 0.0 { 1.0 } else { -1.0 };
-    match v.z >= 0.0 {
-        true => e,
-        false => DVec2::new((1.0 - e.y.abs()) * sign(e.x), (1.0 - e.x.abs()) * sign(e.y)),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Instant;
+    use glam::DVec3;
 
     fn ball(i: u32) -> LightBounds {
         let x = f64::from(i);
@@ -162,30 +154,14 @@ mod tests {
         assert_eq!((none.words.len(), none.trails), (PAIR + 1, PAIR as u32));
     }
 
+    /// And half of them where another is.
     #[test]
-    fn a_hundred_thousand_lights_take_seconds() {
-        let lights: Vec<_> = (0..100_000).map(|i| Some(ball(i))).collect();
-        let begin = Instant::now();
+    fn a_hundred_thousand_lights_have_their_ways() {
+        let lights: Vec<_> = (0..100_000).map(|i| Some(ball(i / 2))).collect();
         let tree = LightTree::new(&lights);
-        println!("{:.2} s", begin.elapsed().as_secs_f64());
         assert_eq!(tree.trails, 4 * 99_999);
-    }
-
-    #[test]
-    fn packed_axes_are_within_the_margin_of_the_cosines() {
-        let unfold = |e: DVec2| {
-            let z = 1.0 - e.abs().element_sum();
-            let t = (-z).max(0.0);
-            let sign = |x: f64| if x >= 0.0 { 1.0 } else { -1.0 };
-            DVec3::new(e.x - t * sign(e.x), e.y - t * sign(e.y), z).normalize()
-        };
-        let mut worst = 0.0_f64;
-        for i in 0..10_000 {
-            let v = ball(i).center().normalize();
-            let e = octahedral(v).to_array().map(|e| (e * 32767.0).round() / 32767.0);
-            worst = worst.max(unfold(e.into()).angle_between(v));
+        for i in 0..lights.len() {
+            assert_eq!(follow(&tree, trail(&tree, i)), i as u32);
         }
-        // What two steps of the cosine are at its narrowest: √(2 · 2 / 32767).
-        assert!(worst < 1e-4, "{worst}");
     }
 }
