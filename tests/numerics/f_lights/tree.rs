@@ -258,12 +258,12 @@ fn defects_of_the_tree_are_seen() {
     let sum = worst_sum(&forgets_the_sky);
     assert!(sum > SUM_ERROR, "{sum:e}");
     let keeps_a_shift =
-        broken("select((x - first) / share, x / share,", "select(x / share, x / share,");
+        broken("select((x - pair.first) / share, x / share,", "select(x / share, x / share,");
     let fit = worst_fit(&keeps_a_shift);
     assert!(fit < 1.0, "{fit:e}");
     let sees_one_side = broken("cosine = abs(cosine);", "");
     assert!(in_view(&sees_one_side).1 > 0);
-    let culls_early = broken("least > cosines.y", "least > cosines.y + 0.002");
+    let culls_early = broken("least > cone.w", "least > cone.w + 0.1");
     assert!(in_view(&culls_early).1 > 0);
 }
 
