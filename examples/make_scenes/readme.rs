@@ -43,7 +43,7 @@ sphere, and other programs draw its 2,208 triangles.
    the lights and GGX alphas 0.005, 0.02, 0.05, 0.1 as in later digital versions of it.
 4. H. Vogel, A better way to construct the sunflower head, Mathematical Biosciences 44, 1979.
 
-The knot, the sunflowers, the stage and its sky are made by formulas in `examples/make_scenes`, and
+The knot, the sunflowers, the stage and its sky, and the hall are made by formulas in `examples/make_scenes`, and
 are under the licence of this repository.
 ";
 

@@ -5,9 +5,13 @@
 #import frame/frame
 #import sample/pcg
 
-// Pairs, the root's first, four words of four each: of both in the pair the centre and intensity;
-// radius, axis, cosines (of the cone that holds the normals, of the angle to them that light
-// leaves under), link. Then the ways to the lights: bit k says which of the pair on level k.
+// First the least corner of the box about all lights, and one over its longest side, the unit of
+// what follows. Then slots of two: pairs of nodes and single lights, the root's pair first. A light
+// is its index. A pair is two nodes of three words (x and y of the centre; z, and the radius as a
+// half; octahedral axis, half-angle's sine of the cone that holds the normals, cosine of the angle to
+// them that light leaves under), the upper halves of two intensities, and the first of the two
+// slots that follow with the flags of both. Then the ways to the lights: bit k says which of the pair on
+// level k. All small, because lanes that part load word by word.
 @group(0) @binding(13) var<storage, read> light_tree: array<vec4<u32>>;
 
 // Levels at most.
@@ -36,69 +40,89 @@ fn light_tree_angle(cosine: f32) -> vec2<f32> {
     return vec2<f32>(sqrt(max(0.0, (1.0 - cosine) * (1.0 + cosine))), cosine);
 }
 
+// Where a place is in the tree's unit.
+fn light_tree_place(from_point: vec3<f32>) -> vec3<f32> {
+    let unit = bitcast<vec4<f32>>(light_tree[0]);
+    return (from_point - unit.xyz) * unit.w;
+}
+
 // As light_tree/mod.rs folds it.
-fn light_tree_axis(bits: u32) -> vec3<f32> {
-    let e = unpack2x16snorm(bits);
+fn light_tree_axis(e: vec2<f32>) -> vec3<f32> {
     let z = 1.0 - abs(e.x) - abs(e.y);
     let t = max(-z, 0.0);
     return normalize(vec3<f32>(e + select(vec2<f32>(t), vec2<f32>(-t), e >= vec2<f32>(0.0)), z));
 }
 
-// About the most that the lights of a record give to a place: intensity, times the cosine of the
-// least angle to their normals, over squared distance, which counts as the radius at least.
-fn light_tree_importance(record: u32, from_point: vec3<f32>) -> f32 {
-    let place = bitcast<vec4<f32>>(light_tree[record]);
-    let shape = light_tree[record + 1u];
-    let radius = bitcast<f32>(shape.x);
-    let toward = from_point - place.xyz;
+// About the most that a node's lights give to a place: intensity, times the cosine of the least
+// angle to their normals, over squared distance, which counts as the radius at least.
+fn light_tree_importance(node: vec3<u32>, intensity: f32, both_sides: bool, place: vec3<f32>) -> f32 {
+    let toward = place - vec3<f32>(unpack2x16unorm(node.x), unpack2x16unorm(node.y).x);
+    let radius = unpack2x16float(node.y).y;
+    let cone = unpack4x8snorm(node.z);
     let d2 = dot(toward, toward);
-    let r2 = radius * radius;
-    let cosines = unpack2x16snorm(shape.z);
-    var cosine = clamp(dot(light_tree_axis(shape.y), toward) / sqrt(max(d2, 1e-37)), -1.0, 1.0);
-    if (shape.w & LIGHT_NODE_DOUBLE_SIDED) != 0u {
+    let near = 1.0 / max(d2, radius * radius);
+    let per_distance = sqrt(near);
+    var cosine = clamp(dot(light_tree_axis(cone.xy), toward) * per_distance, -1.0, 1.0);
+    if both_sides {
         cosine = abs(cosine);
     }
-    let seen = light_tree_less(light_tree_angle(cosine), light_tree_angle(cosines.x));
+    let widest = vec2<f32>(2.0 * cone.z * sqrt((1.0 - cone.z) * (1.0 + cone.z)), 1.0 - 2.0 * cone.z * cone.z);
+    let seen = light_tree_less(light_tree_angle(cosine), widest);
     // The angle under which the sphere about them is seen.
-    let ball = light_tree_angle(sqrt(max(0.0, 1.0 - r2 / max(d2, 1e-37))));
-    let least = select(light_tree_less(seen, ball).y, 1.0, d2 <= r2);
-    let importance = place.w * max(least, LIGHT_TREE_COSINE) / max(max(d2, r2), 1e-37);
-    return select(0.0, importance, least > cosines.y);
+    let sine = min(radius * per_distance, 1.0);
+    let ball = vec2<f32>(sine, sqrt((1.0 - sine) * (1.0 + sine)));
+    let least = select(light_tree_less(seen, ball).y, 1.0, d2 <= radius * radius);
+    return select(0.0, intensity * max(least, LIGHT_TREE_COSINE) * near, least > cone.w);
 }
 
-// Probability of the first of a pair. Behind both, by intensity: someone must be chosen.
-fn light_tree_first(base: u32, from_point: vec3<f32>) -> f32 {
-    var a = light_tree_importance(base, from_point);
-    var b = light_tree_importance(base + 2u, from_point);
+struct LightPair {
+    // Probability of the first.
+    first: f32,
+    // The slots that follow, and flags.
+    link: u32,
+}
+
+// Behind both, by intensity: someone must be chosen.
+fn light_tree_pair(slot: u32, place: vec3<f32>) -> LightPair {
+    let x = light_tree[2u * slot + 1u];
+    let y = light_tree[2u * slot + 2u];
+    let intensity = bitcast<vec2<f32>>(vec2<u32>(y.z & 0xffff0000u, y.z << 16u));
+    var a = light_tree_importance(x.xyz, intensity.x, (y.w & LIGHT_NODE_BOTH_SIDES) != 0u, place);
+    let second = vec3<u32>(x.w, y.xy);
+    var b = light_tree_importance(second, intensity.y, (y.w & (2u * LIGHT_NODE_BOTH_SIDES)) != 0u, place);
     if !(a + b > 0.0) {
-        a = bitcast<f32>(light_tree[base].w);
-        b = bitcast<f32>(light_tree[base + 2u].w);
+        a = intensity.x;
+        b = intensity.y;
     }
     let share = a / (a + b);
     let safe = clamp(share, LIGHT_TREE_LEAST, 1.0 - LIGHT_TREE_LEAST);
-    return select(share, safe, a > 0.0 && b > 0.0);
+    return LightPair(select(share, safe, a > 0.0 && b > 0.0), y.w);
+}
+
+fn light_tree_is_light(link: u32, is_first: bool) -> bool {
+    return (link & select(2u * LIGHT_NODE_LEAF, LIGHT_NODE_LEAF, is_first)) != 0u;
 }
 
 // One light of the tree. `choice` and `fresh` are uniform; the latter may come from a hash.
 fn light_tree_choose(from_point: vec3<f32>, choice: f32, fresh: f32) -> LightChoice {
+    let place = light_tree_place(from_point);
     var pmf = frame.finite_light_share;
     var x = choice;
     var is_fresh = false;
-    var base = 0u;
+    var slot = 0u;
     for (var level = 0u; level < LIGHT_TREE_DEPTH; level++) {
-        let first = light_tree_first(base, from_point);
-        let is_first = x < first;
-        let share = select(1.0 - first, first, is_first);
-        x = min(select((x - first) / share, x / share, is_first), ONE_BELOW);
+        let pair = light_tree_pair(slot, place);
+        let is_first = x < pair.first;
+        let share = select(1.0 - pair.first, pair.first, is_first);
+        x = min(select((x - pair.first) / share, x / share, is_first), ONE_BELOW);
         pmf *= share;
         if pmf < LIGHT_TREE_FRESH && !is_fresh {
             is_fresh = true;
             x = fresh;
         }
-        let link = light_tree[base + select(3u, 1u, is_first)].w;
-        base = link & ~(LIGHT_NODE_LEAF | LIGHT_NODE_DOUBLE_SIDED);
-        if (link & LIGHT_NODE_LEAF) != 0u {
-            return LightChoice(base, pmf);
+        slot = (pair.link & LIGHT_NODE_SLOTS) + select(1u, 0u, is_first);
+        if light_tree_is_light(pair.link, is_first) {
+            return LightChoice(light_tree[2u * slot + 1u].x, pmf);
         }
     }
     return LightChoice(0u, 0.0);
@@ -110,15 +134,15 @@ fn light_tree_pmf(index: u32, from_point: vec3<f32>) -> f32 {
     if way == INVALID {
         return 0.0;
     }
+    let place = light_tree_place(from_point);
     var pmf = frame.finite_light_share;
-    var base = 0u;
+    var slot = 0u;
     for (var level = 0u; level < LIGHT_TREE_DEPTH; level++) {
-        let first = light_tree_first(base, from_point);
+        let pair = light_tree_pair(slot, place);
         let is_first = ((way >> level) & 1u) == 0u;
-        pmf *= select(1.0 - first, first, is_first);
-        let link = light_tree[base + select(3u, 1u, is_first)].w;
-        base = link & ~(LIGHT_NODE_LEAF | LIGHT_NODE_DOUBLE_SIDED);
-        if (link & LIGHT_NODE_LEAF) != 0u {
+        pmf *= select(1.0 - pair.first, pair.first, is_first);
+        slot = (pair.link & LIGHT_NODE_SLOTS) + select(1u, 0u, is_first);
+        if light_tree_is_light(pair.link, is_first) {
             return pmf;
         }
     }

@@ -45,11 +45,14 @@ pub const PRIMITIVE_IS_CULLED: u32 = 1 << 30;
 /// No more lights than this are chosen by power, and by the number that also places the sample.
 pub const FEW_LIGHTS: u32 = 16;
 
-/// Bit of a link of the light tree: its other bits are a light's index.
-pub const LIGHT_NODE_LEAF: u32 = 1 << 31;
+/// Bit of a pair of the light tree: the first slot that follows is a light; twice that, the second.
+pub const LIGHT_NODE_LEAF: u32 = 1 << 30;
 
-/// Bit of a link of the light tree: lights behind it shine to both sides.
-pub const LIGHT_NODE_DOUBLE_SIDED: u32 = 1 << 30;
+/// Bit of a pair of the light tree: the first's lights shine to both sides; twice that, the second's.
+pub const LIGHT_NODE_BOTH_SIDES: u32 = 1 << 28;
+
+/// The other bits of a pair's link: the first slot that follows.
+pub const LIGHT_NODE_SLOTS: u32 = LIGHT_NODE_BOTH_SIDES - 1;
 
 /// Bits of a primitive's attributes.
 pub mod attribute {
@@ -190,7 +193,8 @@ pub fn wgsl(stack_size: u32, workgroup_size: u32) -> String {
         ("LIGHT_SLOTS", LIGHT_SLOTS),
         ("FEW_LIGHTS", FEW_LIGHTS),
         ("LIGHT_NODE_LEAF", LIGHT_NODE_LEAF),
-        ("LIGHT_NODE_DOUBLE_SIDED", LIGHT_NODE_DOUBLE_SIDED),
+        ("LIGHT_NODE_BOTH_SIDES", LIGHT_NODE_BOTH_SIDES),
+        ("LIGHT_NODE_SLOTS", LIGHT_NODE_SLOTS),
         ("LIGHT_TRIANGLE", light::TRIANGLE),
         ("LIGHT_SPHERE", light::SPHERE),
         ("LIGHT_POINT", light::POINT),
