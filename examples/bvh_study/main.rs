@@ -138,10 +138,9 @@ fn eye(scene: &Scene) -> Result<Eye, Failure> {
 
 /// Processor time of `build`, and what it built.
 fn timed<T>(build: impl Fn() -> T) -> (f64, T) {
-    let mut built = build();
     let (begin, mut builds) = (own_seconds(), 0);
     loop {
-        built = build();
+        let built = build();
         builds += 1;
         let seconds = own_seconds() - begin;
         if seconds > LONG || seconds.is_nan() {
@@ -167,7 +166,7 @@ fn print_packets(scene: &Scene, sets: &RaySets) -> Result<(), Failure> {
         return Err("packets are counted in triangles alone".into());
     }
     let wide = packets::WideTree { nodes: &world.nodes, primitives: &world.primitives };
-    let bytes = 16 * world.nodes.len() as f64 / world.statistics().triangle_count as f64;
+    let bytes = 16.0 * world.nodes.len() as f64 / world.statistics().triangle_count as f64;
     print!("packets: {bytes:.1} bytes of nodes a triangle, stack {};", world.stack_size);
     for (set, rays) in sets.named() {
         let touched = wide.walk(rays, set == "shadow");
