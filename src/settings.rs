@@ -126,7 +126,7 @@ impl Default for RenderSettings {
             strategy: Strategy::Mis,
             light_samples: 1,
             light_selection: LightSelection::Tree,
-            light_candidates: 4,
+            light_candidates: 2,
             max_bounces: None,
             only_bounce: None,
             roulette: true,

@@ -164,7 +164,7 @@ pub(crate) struct SamplingFlags {
     pub(crate) light_selection: LightSelection,
 
     /// Lights drawn for a sample where there are more than 16, of which one is kept
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(crate) light_candidates: u32,
 
     /// Scattering events on a path: 0 emission alone, 1 direct light; no limit by default

@@ -67,7 +67,7 @@ fn arguments(info: &SceneInfo, wish: &Wish, output: &str) -> Vec<String> {
     if s.light_selection != LightSelection::Tree {
         flag("--light-selection", word_for(LIGHT_SELECTIONS, &s.light_selection).into());
     }
-    if s.light_candidates != 4 {
+    if s.light_candidates != 2 {
         flag("--light-candidates", s.light_candidates.to_string());
     }
     if let Some(n) = s.max_bounces {
