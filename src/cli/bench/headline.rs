@@ -1,6 +1,6 @@
 //! All scenes together: beside another renderer, and what each part is worth.
 
-use super::measure::{Measured, Method};
+use super::measure::{Measured, Method, PATH_REUSE};
 use super::tables::{CLOCKS, cost_per_sample, efficiency, pixels};
 use super::words::{interval, number, reading, target};
 use serde_json::{Value, json};
@@ -26,17 +26,20 @@ pub(super) fn against(all: &[Measured], targets: &[f64], version: &str) -> Optio
         );
         let mut table = Table { title, columns, rows: Vec::new() };
         for measured in all {
-            let (ours, theirs) = pair(measured)?;
-            let mut cells = vec![measured.name.clone()];
-            for &t in targets {
-                let ratio = ratio(&ours.curve, &theirs.curve, t, clock)?;
-                let [a, b] = [ours, theirs].map(|m| m.curve.seconds_to(t, clock));
-                cells.extend([reading(&a), reading(&b), reading(&ratio)]);
-                data.push(json!({
-                    "scene": measured.name, "clock": clock, "relmse": t, "ours": a, "rival": b, "ratio": ratio,
-                }));
+            let (all_ours, theirs) = pairs(measured)?;
+            for ours in all_ours {
+                let mut cells = vec![row_name(measured, ours)];
+                for &t in targets {
+                    let ratio = ratio(&ours.curve, &theirs.curve, t, clock)?;
+                    let [a, b] = [ours, theirs].map(|m| m.curve.seconds_to(t, clock));
+                    cells.extend([reading(&a), reading(&b), reading(&ratio)]);
+                    data.push(json!({
+                        "scene": measured.name, "method": ours.curve.name, "clock": clock, "relmse": t,
+                        "ours": a, "rival": b, "ratio": ratio,
+                    }));
+                }
+                table.row(cells);
             }
-            table.row(cells);
         }
         tables.push(table);
     }
@@ -57,8 +60,18 @@ fn capital(clock: Clock) -> &'static str {
     }
 }
 
-fn pair(measured: &Measured) -> Option<(&Method, &Method)> {
-    Some((&measured.methods[0], measured.methods.iter().find(|m| m.is_rival)?))
+/// The default method and the one beside it, and the other program's.
+fn pairs(measured: &Measured) -> Option<(Vec<&Method>, &Method)> {
+    let ours = |(i, m): &(usize, &Method)| *i == 0 || m.curve.name == PATH_REUSE;
+    let all_ours = measured.methods.iter().enumerate().filter(ours).map(|(_, m)| m).collect();
+    Some((all_ours, measured.methods.iter().find(|m| m.is_rival)?))
+}
+
+fn row_name(measured: &Measured, ours: &Method) -> String {
+    match ours.curve.name.as_str() {
+        PATH_REUSE => format!("{}, {PATH_REUSE}", measured.name),
+        _ => measured.name.clone(),
+    }
 }
 
 /// The ratio of seconds as cost per sample × variance per sample.
@@ -75,28 +88,31 @@ fn why(all: &[Measured]) -> Option<Table> {
         ],
     );
     for measured in all {
-        let (ours, theirs) = pair(measured)?;
-        let last = ours.curve.points.len() - 1;
-        let per = |clock| {
-            let of = |m: &Method, rounds: &[usize]| {
-                m.curve.seconds(last, clock, rounds) / m.curve.points[last].samples
+        let (all_ours, theirs) = pairs(measured)?;
+        for ours in all_ours {
+            let last = ours.curve.points.len() - 1;
+            let per = |clock| {
+                let of = |m: &Method, rounds: &[usize]| {
+                    m.curve.seconds(last, clock, rounds) / m.curve.points[last].samples
+                };
+                resample(ours.curve.rounds(), |rounds| of(ours, rounds) / of(theirs, rounds))
             };
-            resample(ours.curve.rounds(), |rounds| of(ours, rounds) / of(theirs, rounds))
-        };
-        let variance = resample(ours.curve.rounds(), |rounds| {
-            let of = |m: &Method| m.curve.mean_error(last, rounds) * m.curve.points[last].samples;
-            of(ours) / of(theirs)
-        });
-        // Efficiency is 1 / (error × seconds).
-        let product = |clock| interval(&efficiency(&theirs.curve, &ours.curve, clock));
-        table.row([
-            measured.name.clone(),
-            interval(&per(Clock::Cpu)),
-            interval(&per(Clock::Wall)),
-            interval(&variance),
-            product(Clock::Cpu),
-            product(Clock::Wall),
-        ]);
+            let variance = resample(ours.curve.rounds(), |rounds| {
+                let of =
+                    |m: &Method| m.curve.mean_error(last, rounds) * m.curve.points[last].samples;
+                of(ours) / of(theirs)
+            });
+            // Efficiency is 1 / (error × seconds).
+            let product = |clock| interval(&efficiency(&theirs.curve, &ours.curve, clock));
+            table.row([
+                row_name(measured, ours),
+                interval(&per(Clock::Cpu)),
+                interval(&per(Clock::Wall)),
+                interval(&variance),
+                product(Clock::Cpu),
+                product(Clock::Wall),
+            ]);
+        }
     }
     Some(table)
 }

@@ -27,6 +27,8 @@ const REFERENCE_FACTOR: u32 = 8;
 const REFERENCE_SEEDS: u32 = 1 << 30;
 /// Runs that every point has, however long they take, unless fewer are asked for.
 const LEAST_RUNS: u32 = 4;
+/// Name of the method that stands beside the default everywhere.
+pub(super) const PATH_REUSE: &str = "path reuse";
 /// Independent runs, unless said otherwise.
 pub(super) const RUNS: u32 = 16;
 
@@ -107,6 +109,12 @@ pub(super) fn measure(
     let own = Rc::new(own);
     let mut lanes: Vec<(Box<dyn Lane>, Rc<Reference>, bool)> =
         vec![(Box::new(default), own.clone(), false)];
+    if let Some(settings) = sharing(base) {
+        let settings: Vec<_> = points.iter().map(|&spp| at(&settings, spp)).collect();
+        talk::line(&format!("  compiling: {PATH_REUSE}"));
+        let lane = Ours::new(PATH_REUSE, &prepared, &job.scene, &settings)?;
+        lanes.push((Box::new(lane), own.clone(), false));
+    }
     if with_variants {
         let context =
             variants::Context { path, flags, job: &job, prepared: &prepared, points: &points };
@@ -156,6 +164,12 @@ pub(super) fn measure(
         methods,
         notes,
     })
+}
+
+/// The same with paths shared, where that is something else.
+fn sharing(base: &RenderSettings) -> Option<RenderSettings> {
+    let settings = RenderSettings { path_reuse: true, ..base.clone() };
+    (settings.shares_paths() && !base.shares_paths()).then_some(settings)
 }
 
 /// Settings of a point: with the blocks that `render` would take.

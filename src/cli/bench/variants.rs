@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 use steradian::renderer::PreparedScene;
-use steradian::settings::{Sampler, Strategy};
+use steradian::settings::{LightSelection, Sampler, Strategy};
 use steradian::stopping::{CalibratedRule, Preset, StoppingRule};
 use steradian::{RenderSettings, Result};
 
@@ -24,16 +24,18 @@ pub(super) enum Variant {
     WithoutMis,
     WithoutRoulette,
     IndependentSampler,
+    UniformLights,
     Adaptive,
     EveryFeature,
 }
 
 impl Variant {
-    pub(super) const ALL: [Self; 6] = [
+    pub(super) const ALL: [Self; 7] = [
         Self::WithoutLightSampling,
         Self::WithoutMis,
         Self::WithoutRoulette,
         Self::IndependentSampler,
+        Self::UniformLights,
         Self::Adaptive,
         Self::EveryFeature,
     ];
@@ -44,6 +46,7 @@ impl Variant {
             Self::WithoutMis => "no MIS",
             Self::WithoutRoulette => "no roulette",
             Self::IndependentSampler => "independent sampler",
+            Self::UniformLights => "lights uniform",
             Self::Adaptive => "adaptive",
             Self::EveryFeature => "not specialised",
         }
@@ -56,6 +59,7 @@ impl Variant {
             Self::WithoutMis => settings.strategy = Strategy::Light,
             Self::WithoutRoulette => settings.roulette = false,
             Self::IndependentSampler => settings.sampler = Sampler::Independent,
+            Self::UniformLights => settings.light_selection = LightSelection::Uniform,
             Self::EveryFeature => settings.all_features = true,
             Self::Adaptive => {}
         }
