@@ -38,8 +38,9 @@ fn the_curves_of_two_scenes() {
     for name in ["quad-light", "furnace-box"] {
         let data = &section(&report, name)["data"];
         assert_eq!(data["resolution"], serde_json::json!([8, 8]));
-        let [method] = &data["methods"].as_array().unwrap()[..] else { panic!("{data}") };
+        let [method, shared] = &data["methods"].as_array().unwrap()[..] else { panic!("{data}") };
         assert_eq!(method["name"], "default");
+        assert_eq!(shared["name"], "path reuse");
         let points = method["points"].as_array().unwrap();
         for (point, spp) in points.iter().zip([4.0, 16.0]) {
             assert_eq!(point["samples"], spp);
@@ -245,7 +246,7 @@ done
     let report = read_json(&program.path("b.json"));
     assert_tables(&report);
     let data = &section(&report, "quad-light")["data"];
-    let rival = &data["methods"][1];
+    let rival = &data["methods"][2];
     assert_eq!(rival["name"], "Mitsuba");
     for run in rival["points"][1]["runs"].as_array().unwrap() {
         assert_eq!([&run["wall"], &run["cpu"]], [2.0, 4.0]);
