@@ -147,6 +147,7 @@ fn no_name_is_defined_by_two_modules_that_can_meet() {
         ["geometry/trace_lane", "geometry/trace_packet"],
         ["geometry/trace_lane", "geometry/trace_brute_force"],
         ["geometry/trace_packet", "geometry/trace_brute_force"],
+        ["path/exchange_subgroup", "path/exchange_workgroup"],
         ["sample/sampler_sobol", "sample/sampler_independent"],
         ["strategy/mis", "strategy/light"],
         ["strategy/mis", "strategy/scatter"],

@@ -251,16 +251,16 @@ mod tests {
     #[test]
     fn textures_spread_over_as_many_buffers_as_they_need() {
         let mebibytes = |n: u64| n << 20;
-        assert_eq!(Spread::of(mebibytes(128), mebibytes(128), 8), Some(Spread::One));
-        let two = Spread::of(mebibytes(128) + 16, mebibytes(128), 11);
+        assert_eq!(Spread::of(mebibytes(128), mebibytes(128), 9), Some(Spread::One));
+        let two = Spread::of(mebibytes(128) + 16, mebibytes(128), 12);
         assert_eq!(two, Some(Spread::Many { shift: 23 }));
-        assert_eq!(Spread::of(mebibytes(512), mebibytes(128), 11), two);
-        assert_eq!(Spread::of(mebibytes(512) + 16, mebibytes(128), 11), None);
+        assert_eq!(Spread::of(mebibytes(512), mebibytes(128), 12), two);
+        assert_eq!(Spread::of(mebibytes(512) + 16, mebibytes(128), 12), None);
         // Three more variables must fit.
-        assert_eq!(Spread::of(mebibytes(129), mebibytes(128), 10), None);
+        assert_eq!(Spread::of(mebibytes(129), mebibytes(128), 11), None);
         // Parts are powers of two, wholes need not be.
-        assert_eq!(Spread::of(100, 100, 8), Some(Spread::One));
-        assert_eq!(Spread::of(112, 100, 11), Some(Spread::Many { shift: 2 }));
-        assert_eq!(Spread::of(1, 0, 11), None);
+        assert_eq!(Spread::of(100, 100, 9), Some(Spread::One));
+        assert_eq!(Spread::of(112, 100, 12), Some(Spread::Many { shift: 2 }));
+        assert_eq!(Spread::of(1, 0, 12), None);
     }
 }

@@ -147,7 +147,7 @@ fn uniform_bytes(name: &str) -> usize {
 
 fn buffer_of(device: &Device, name: &str, bytes: &[u8]) -> wgpu::Buffer {
     match uniform_bytes(name) {
-        size if bytes.len() <= size => device.table_buffer(name, bytes, size),
+        size if size > 0 && bytes.len() <= size => device.table_buffer(name, bytes, size),
         _ => device.storage_buffer(name, bytes),
     }
 }

@@ -32,8 +32,8 @@ const SPHERE: Defect = (
 /// A light sample that is not weighted against what the surface would have found by itself.
 const DOUBLE: Defect = (
     "light/direct",
-    "let w = strategy_light_weight(l.pdf, bsdf_pdf(b, wo, wi)) /",
-    "let w = select(strategy_light_weight(l.pdf, bsdf_pdf(b, wo, wi)), 1.0, DEFECT) /",
+    "(strategy_light_weight(l.pdf, bsdf_pdf(b, wo, wi)) /",
+    "(select(strategy_light_weight(l.pdf, bsdf_pdf(b, wo, wi)), 1.0, DEFECT) /",
 );
 
 /// In a shader that holds them all, the picture's seed is the index of the one that is there:

@@ -35,9 +35,9 @@ fn render_with(strike: usize) -> (RenderStatistics, Vec<f32>) {
     }
     stage.sphere(Vec3::new(0.5, 1.0, -0.5), 0.2, emitter(1.0));
     let mut tuning = Tuning::default();
-    let path_trace = tuning.library.get_mut("path_trace").unwrap();
+    let radiance = tuning.library.get_mut("path/radiance").unwrap();
     let watch = "fault_watch(p.radiance, bounce, material);\n        p.is_alive = p.is_alive";
-    assert!(path_trace.contains(watch));
+    assert!(radiance.contains(watch));
     let strikes: String = (0..)
         .zip(STRIKES)
         .map(|(k, (bounce, radiance, _))| {
@@ -54,7 +54,7 @@ fn render_with(strike: usize) -> (RenderStatistics, Vec<f32>) {
             + sampler_p.sample_index * 1299709u) % 1009u == 17u;
         {strikes}{watch}"
     );
-    *path_trace = path_trace.replace(watch, &strikes).into();
+    *radiance = radiance.replace(watch, &strikes).into();
     // A sphere may hide a wall from a camera path: no roulette, and bounces that all can make.
     let settings = RenderSettings {
         roulette: false,

@@ -69,7 +69,7 @@ fn b9_coincident_quads_do_not_flicker() {
     // Of two hits at one distance, the one that is met first.
     let mut library = library();
     let text = library["geometry/leaf"].replace(
-        "return best != INVALID && primitive_source(p) < primitive_source(primitive_load(best));",
+        "return best != INVALID && primitive_source(p) < primitive_source(primitive_of(best));",
         "return false;",
     );
     assert_ne!(text, library["geometry/leaf"]);
