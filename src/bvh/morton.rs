@@ -55,8 +55,8 @@ impl Curve {
 
     fn code(&self, p: [f32; 3]) -> u64 {
         let mut code = 0;
-        for axis in 0..3 {
-            let x = (f64::from(p[axis]) - f64::from(self.min[axis])) * self.scale[axis];
+        for (axis, p) in p.into_iter().enumerate() {
+            let x = (f64::from(p) - f64::from(self.min[axis])) * self.scale[axis];
             let cell = (x as u32).min(self.last[axis]);
             for (k, table) in self.tables[axis].iter().enumerate() {
                 code |= table[(cell >> (TABLE_BITS * k as u32) & 0xFF) as usize];
