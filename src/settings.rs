@@ -89,7 +89,7 @@ pub enum LightSelection {
     Uniform,
     /// By power.
     Power,
-    /// More than 16 that have a place: by what they may give to the receiver, with a tree; fewer,
+    /// More than 4 that have a place: by what they may give to the receiver, with a tree; fewer,
     /// and those at infinity, by power.
     Tree,
 }

@@ -163,7 +163,7 @@ pub(crate) struct SamplingFlags {
     #[arg(long, value_parser = values::one_of(values::LIGHT_SELECTIONS), default_value = "tree")]
     pub(crate) light_selection: LightSelection,
 
-    /// Lights drawn for a sample where there are more than 16, of which one is kept
+    /// Lights drawn for a sample where there are more than 4, of which one is kept
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(crate) light_candidates: u32,
 

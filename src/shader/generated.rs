@@ -43,7 +43,7 @@ pub const PRIMITIVE_HAS_ALPHA: u32 = 1 << 31;
 pub const PRIMITIVE_IS_CULLED: u32 = 1 << 30;
 
 /// No more lights than this are chosen by power, and by the number that also places the sample.
-pub const FEW_LIGHTS: u32 = 16;
+pub const FEW_LIGHTS: u32 = 4;
 
 /// Bit of a pair of the light tree: the first slot that follows is a light; twice that, the second.
 pub const LIGHT_NODE_LEAF: u32 = 1 << 30;
