@@ -5,12 +5,14 @@ mod preview;
 mod rounds;
 mod schedule;
 mod statistics;
+mod stored;
 mod sweep;
 mod views;
 
 pub use prepared::PreparedScene;
 pub use preview::Preview;
 pub use statistics::{FaultLocation, RenderStatistics};
+pub use stored::{Counts, HostState, RenderHead};
 
 #[cfg(doc)]
 use crate::Error;
@@ -25,7 +27,7 @@ use rounds::Rounds;
 use schedule::Schedule;
 use statistics::fault_counts;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use sweep::{Pace, Piece, Sweep};
 
 /// A render under way. [`Renderer::step`] until it says that nothing is left, or
@@ -39,6 +41,8 @@ pub struct Renderer {
     plan: Plan,
     statistics: RenderStatistics,
     started: Option<Instant>,
+    /// Of the renders that this one goes on from.
+    elapsed_before: Duration,
 }
 
 /// Which samples come next.
@@ -116,10 +120,11 @@ impl Renderer {
             prepared,
             settings: settings.clone(),
             pass,
-            film: Film::new(settings.window(), settings.samples_per_block()),
+            film: settings.film(),
             plan,
             statistics,
             started: None,
+            elapsed_before: Duration::ZERO,
         })
     }
 
@@ -131,9 +136,9 @@ impl Renderer {
         self.settings.seed = seed;
         self.pass.set_seed(seed);
         self.pass.clear(&self.prepared.device);
-        self.film = Film::new(self.film.window(), self.settings.samples_per_block());
+        self.film = self.settings.film();
         self.statistics = self.statistics.without_counts();
-        self.started = None;
+        (self.started, self.elapsed_before) = (None, Duration::ZERO);
         match &mut self.plan {
             Plan::Fixed(schedule) => {
                 *schedule = Schedule::new(&self.prepared.device, &self.settings)?
@@ -149,8 +154,8 @@ impl Renderer {
     /// # Errors
     /// [`Error::DeviceLost`].
     pub fn step(&mut self) -> Result<bool> {
-        let started = *self.started.get_or_insert_with(Instant::now);
-        if self.settings.time.is_some_and(|limit| started.elapsed() >= limit) {
+        self.started.get_or_insert_with(Instant::now);
+        if self.settings.time.is_some_and(|limit| self.elapsed() >= limit) {
             return Ok(false);
         }
         let Some(piece) = self.sweep().next(&self.pace) else { return Ok(false) };
@@ -199,10 +204,8 @@ impl Renderer {
 
     /// Share of the samples, of the pixels, or of the time, that is done; 0 to 1.
     pub fn progress(&self) -> f64 {
-        let by_time = match (self.settings.time, self.started) {
-            (Some(limit), Some(start)) => start.elapsed().as_secs_f64() / limit.as_secs_f64(),
-            _ => 0.0,
-        };
+        let share = |limit: Duration| self.elapsed().as_secs_f64() / limit.as_secs_f64();
+        let by_time = self.settings.time.map_or(0.0, share);
         let by_samples = match &self.plan {
             Plan::Fixed(schedule) => schedule.progress(),
             Plan::Adaptive(rounds) => rounds.progress(),

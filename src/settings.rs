@@ -1,9 +1,11 @@
 //! What to render and how: shared by the command line, tests and viewer.
 
+use crate::film::{Film, SampleRange};
 use crate::scene::Scene;
 use crate::shader::generated::{MOST_BLOCK_SAMPLES, TILE_SIDE};
 use crate::stopping::StoppingRule;
 use crate::{Error, Result};
+use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
 /// Settings of one render. [`Default`] is what the command line does without flags.
@@ -15,6 +17,8 @@ pub struct RenderSettings {
     pub crop: Option<Crop>,
     /// Samples per pixel to stop at.
     pub spp: u32,
+    /// Only these of them, to be joined with others; all by default.
+    pub part: Option<SampleRange>,
     /// Wall-clock time to stop at; whichever of this and `spp` comes first.
     pub time: Option<Duration>,
     /// Pixels may stop before `spp`, each by its own samples.
@@ -57,7 +61,7 @@ pub struct RenderSettings {
 }
 
 /// A rectangle of pixels; (0, 0) is the upper left corner of the picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Crop {
     /// First column.
     pub x: u32,
@@ -120,6 +124,7 @@ impl Default for RenderSettings {
             resolution: (512, 512),
             crop: None,
             spp: 64,
+            part: None,
             time: None,
             stopping: None,
             seed: 0,
@@ -146,6 +151,19 @@ impl RenderSettings {
     pub fn window(&self) -> Crop {
         let (width, height) = self.resolution;
         self.crop.unwrap_or(Crop { x: 0, y: 0, width, height })
+    }
+
+    /// The samples of [`Self::spp`] that are taken.
+    pub fn samples(&self) -> SampleRange {
+        self.part.unwrap_or(SampleRange::whole(self.spp))
+    }
+
+    /// An empty film for them.
+    pub(crate) fn film(&self) -> Film {
+        match self.stopping_rule() {
+            Some(rule) => Film::new(self.window(), rule.unit()),
+            None => Film::of_samples(self.window(), self.block_size, &self.samples()),
+        }
     }
 
     /// Whether paths are shared: those of one bounce are not.
@@ -211,6 +229,12 @@ impl RenderSettings {
         } else if self.path_reuse && self.stopping_rule().is_some() {
             "path reuse: pixels that stop one by one (--noise, --adaptive) must not share paths"
                 .into()
+        } else if self.part.is_some() && (self.stopping_rule().is_some() || self.time.is_some()) {
+            "a part of the samples: pixels that stop one by one (--noise, --adaptive), and --time, \
+             need all of them"
+                .into()
+        } else if self.part.is_some_and(|part| !part.fits(self.spp, self.block_size)) {
+            format!("part {:?}: must lie in {} samples, in whole segments", self.part, self.spp)
         } else if self.light_samples == 0 {
             "light samples must be at least 1".into()
         } else if self.light_candidates == 0 {

@@ -51,6 +51,7 @@ impl Job {
             resolution: resolution(&flags.picture, &scene.cameras[camera])?,
             crop: flags.picture.crop.or(flags.picture.pixel),
             spp: flags.stopping.spp_limit(),
+            part: None,
             time: flags.stopping.time,
             stopping: flags.stopping.rule(),
             seed: flags.sampling.seed,

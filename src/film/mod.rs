@@ -1,15 +1,26 @@
 //! Per-pixel sums of radiance, wide enough for any number of samples, and how
 //! far they are from converged.
 
-mod block_means;
+mod file;
+mod run_means;
+mod stored;
+mod sums;
+
+pub use file::{FilmFile, Sections, write_film_file};
+pub use stored::FilmHead;
 
 use crate::image::Picture;
 use crate::settings::Crop;
 #[cfg(doc)]
 use crate::shader::generated::Fault;
 use crate::shader::generated::StopReason;
-use block_means::BlockMeans;
-pub(crate) use block_means::{RUNS, runs};
+use run_means::RunMeans;
+pub(crate) use run_means::{RUNS, runs};
+use serde::{Deserialize, Serialize};
+use sums::Sums;
+
+/// One value for every pixel of a window, row by row.
+type PixelSums<T> = Vec<T>;
 
 /// Luminance below this share of the picture's mean does not make an error count more.
 pub(crate) const ERROR_FLOOR: f64 = 0.01;
@@ -20,12 +31,61 @@ pub struct Film {
     window: Crop,
     /// Samples of the smallest whole block.
     unit: u32,
-    sum: Vec<[f64; 3]>,
+    /// Of the render, if its pixels take as many each.
+    samples: Option<SampleRange>,
+    /// Samples of a segment of the sums.
+    segment: u32,
+    sums: Sums,
     sample_count: Vec<u32>,
-    means: Vec<BlockMeans>,
+    means: RunMeans,
     stops: Option<Vec<PixelStop>>,
     /// Samples at fault of every pixel, by cause; `None` while there are none.
     faults: Option<Vec<[u32; 4]>>,
+}
+
+/// Consecutive samples of a render in which every pixel takes as many.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SampleRange {
+    /// Samples of the whole render.
+    pub total: u32,
+    /// First of these: a multiple of [`Self::segment`].
+    pub first: u32,
+    /// One after the last: `total`, or a multiple of [`Self::segment`].
+    pub end: u32,
+}
+
+impl SampleRange {
+    /// All samples.
+    pub fn whole(total: u32) -> Self {
+        Self { total, first: 0, end: total }
+    }
+
+    /// Samples of a segment, in blocks of `unit`: the shortest part whose sums are kept apart. There
+    /// are 8 to 15 of them, or as many as there are blocks, and less than one at the end.
+    pub fn segment(&self, unit: u32) -> u32 {
+        runs(self.total / unit).0 * unit
+    }
+
+    /// Whether it is a part of `total` samples in blocks of `unit` that begins and ends with a segment.
+    pub fn fits(&self, total: u32, unit: u32) -> bool {
+        let segment = self.segment(unit);
+        self.total == total
+            && self.first < self.end
+            && self.end <= total
+            && self.first.is_multiple_of(segment)
+            && (self.end == total || self.end.is_multiple_of(segment))
+    }
+
+    /// Part `index` of `count` of the whole, in whole segments; `None` if there are fewer segments.
+    pub fn part(&self, unit: u32, index: u32, count: u32) -> Option<Self> {
+        let segment = self.segment(unit);
+        let segments = self.total.div_ceil(segment);
+        let at = |i: u32| {
+            let first = (u64::from(segments) * u64::from(i) / u64::from(count)) as u32;
+            first.saturating_mul(segment).min(self.total)
+        };
+        (count <= segments).then(|| Self { first: at(index), end: at(index + 1), ..*self })
+    }
 }
 
 /// Why a pixel of an adaptive render has no more samples.
@@ -62,15 +122,30 @@ fn luminance(c: [f64; 3]) -> f64 {
 }
 
 impl Film {
-    /// An empty film for a window of pixels. `unit`: samples of the smallest whole block.
+    /// An empty film for a window of pixels, and for any number of samples. `unit`: samples of the
+    /// smallest whole block.
     pub fn new(window: Crop, unit: u32) -> Self {
+        Self::with(window, unit, None)
+    }
+
+    /// An empty film for some of the samples of a render.
+    pub fn of_samples(window: Crop, unit: u32, samples: &SampleRange) -> Self {
+        Self::with(window, unit, Some(*samples))
+    }
+
+    fn with(window: Crop, unit: u32, samples: Option<SampleRange>) -> Self {
         let count = window.width as usize * window.height as usize;
+        let is_part = samples.is_some_and(|range| range != SampleRange::whole(range.total));
+        let is_later = samples.is_some_and(|range| range.first > 0);
+        let segment = samples.map_or(u32::MAX, |range| range.segment(unit));
         Self {
             window,
             unit,
-            sum: vec![[0.0; 3]; count],
+            samples,
+            segment,
+            sums: Sums::new(count, samples.is_some(), is_later),
             sample_count: vec![0; count],
-            means: vec![BlockMeans::default(); count],
+            means: RunMeans::new(count, is_part.then_some(segment / unit)),
             stops: None,
             faults: None,
         }
@@ -90,25 +165,32 @@ impl Film {
         }
         let i = y as usize * self.window.width as usize + x as usize;
         let n = f64::from(block.sample_count);
-        for (total, m) in self.sum[i].iter_mut().zip(block.mean) {
-            *total += m * n;
-        }
+        self.sums.add(i, block.mean.map(|m| m * n));
         self.sample_count[i] += block.sample_count;
         if block.sample_count.is_multiple_of(self.unit) {
-            self.means[i].add(luminance(block.mean), block.sample_count / self.unit);
+            self.means.add(i, luminance(block.mean), block.sample_count / self.unit);
         }
+        // All blocks but the last are whole: segments end where units do.
+        if self.sample_count[i].is_multiple_of(self.segment) {
+            self.sums.end_segment(i, (self.sample_count[i] / self.segment) as usize - 1);
+        }
+    }
+
+    /// Units of a segment.
+    fn segment_units(&self) -> u32 {
+        self.segment / self.unit
     }
 
     /// Mean radiance of a pixel by its index in the window; 0 without samples.
     fn mean(&self, i: usize) -> [f64; 3] {
         let n = f64::from(self.sample_count[i].max(1));
-        self.sum[i].map(|s| s / n)
+        self.sums.of(i).map(|s| s / n)
     }
 
     /// Mean luminance of all pixels.
     pub fn mean_luminance(&self) -> f64 {
-        let sum: f64 = (0..self.sum.len()).map(|i| luminance(self.mean(i))).sum();
-        sum / self.sum.len() as f64
+        let sum: f64 = (0..self.sample_count.len()).map(|i| luminance(self.mean(i))).sum();
+        sum / self.sample_count.len() as f64
     }
 
     /// How every pixel of an adaptive render ended.
@@ -127,7 +209,7 @@ impl Film {
             return;
         }
         let i = y as usize * self.window.width as usize + x as usize;
-        let faults = self.faults.get_or_insert_with(|| vec![[0; 4]; self.sum.len()]);
+        let faults = self.faults.get_or_insert_with(|| vec![[0; 4]; self.sample_count.len()]);
         for (total, count) in faults[i].iter_mut().zip(counts) {
             *total += count;
         }
@@ -140,7 +222,7 @@ impl Film {
 
     /// Mean radiance of every pixel.
     pub fn picture(&self) -> Picture {
-        let rgb = (0..self.sum.len()).map(|i| self.mean(i).map(|c| c as f32)).collect();
+        let rgb = (0..self.sample_count.len()).map(|i| self.mean(i).map(|c| c as f32)).collect();
         Picture::new(self.window.width, self.window.height, rgb)
     }
 
@@ -155,8 +237,9 @@ impl Film {
             let i = y as usize * self.window.width as usize + x as usize;
             counts[i] += block.sample_count;
             let n = f64::from(counts[i].max(1));
+            let sum = self.sums.of(i);
             picture.rgb[i] = std::array::from_fn(|c| {
-                ((self.sum[i][c] + block.mean[c] * f64::from(block.sample_count)) / n) as f32
+                ((sum[c] + block.mean[c] * f64::from(block.sample_count)) / n) as f32
             });
         }
         (picture, counts)
@@ -181,18 +264,18 @@ impl Film {
     /// 8 to 15 consecutive runs of its samples (fewer at the beginning). `None`
     /// before there are two.
     pub fn standard_error(&self) -> Option<Vec<f32>> {
-        let variance = self.means.iter().map(BlockMeans::variance_of_mean);
-        variance.map(|v| v.map(|v| v.sqrt() as f32)).collect()
+        let pixels = 0..self.sample_count.len();
+        pixels.map(|i| self.means.variance_of_mean(i)).map(|v| v.map(|v| v.sqrt() as f32)).collect()
     }
 
     /// The picture's error by its own samples. `None` before there are two whole blocks.
     pub fn estimated_error(&self) -> Option<ErrorEstimate> {
-        let n = self.sum.len() as f64;
+        let n = self.sample_count.len() as f64;
         let mean_luminance = self.mean_luminance();
         let floor = (ERROR_FLOOR * mean_luminance).powi(2);
         let mut relmse = 0.0;
-        for i in 0..self.sum.len() {
-            let v = self.means[i].variance_of_mean()?;
+        for i in 0..self.sample_count.len() {
+            let v = self.means.variance_of_mean(i)?;
             if v > 0.0 {
                 relmse += v / (luminance(self.mean(i)).powi(2) + floor);
             }

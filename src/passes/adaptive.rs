@@ -33,6 +33,7 @@ pub struct Adaptive {
     compact: Step,
     dispatch_size: Step,
     tallies: wgpu::Buffer,
+    runs: wgpu::Buffer,
     tally_readback: Readback,
     dispatch: wgpu::Buffer,
     dispatch_readback: Readback,
@@ -71,7 +72,7 @@ impl Adaptive {
         };
         let usage = Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST;
         let tallies = buffer("tallies", pixels * size_of::<GpuTally>(), usage);
-        let runs = buffer("runs", 4 * run_floats, Usage::STORAGE);
+        let runs = buffer("runs", 4 * run_floats, usage);
         let tile_counts = buffer("tile counts", 4 * tile_count as usize, Usage::STORAGE);
         let dispatch = buffer("dispatch", size_of::<GpuDispatch>(), usage | Usage::INDIRECT);
         let stopping = stopping(rule, tile_count);
@@ -103,6 +104,7 @@ impl Adaptive {
             dispatch_size: step("dispatch_size")?,
             tally_readback: Readback::new(device, "tally copy", tallies.size()),
             tallies,
+            runs,
             dispatch_readback: Readback::new(device, "dispatch copy", dispatch.size()),
             dispatch,
             stopping_buffer,
@@ -165,6 +167,38 @@ impl Adaptive {
     pub(super) fn fit_dispatch(&self, encoder: &mut wgpu::CommandEncoder) -> &wgpu::Buffer {
         self.dispatch_size.run(encoder, 1, 1);
         &self.dispatch
+    }
+
+    /// What the device knows of all pixels beside the film: names and contents of buffers.
+    ///
+    /// # Errors
+    /// [`crate::Error::DeviceLost`].
+    pub fn stored(&self, device: &Device) -> Result<Vec<(&'static str, Vec<u8>)>> {
+        let read = |(name, buffer): (_, &wgpu::Buffer)| {
+            let readback = Readback::new(device, name, buffer.size());
+            Ok((name, readback.read(device, buffer, buffer.size() as usize)?))
+        };
+        self.memory().map(read).into_iter().collect()
+    }
+
+    /// Goes back to what [`Self::stored`] gave: `contents` has a buffer's bytes by its name and length.
+    ///
+    /// # Errors
+    /// Those of `contents`.
+    pub fn restore(
+        &self,
+        device: &Device,
+        contents: impl Fn(&str, usize) -> Result<Vec<u8>>,
+    ) -> Result<()> {
+        for (name, buffer) in self.memory() {
+            device.queue.write_buffer(buffer, 0, &contents(name, buffer.size() as usize)?);
+        }
+        Ok(())
+    }
+
+    /// Buffers whose contents last from one round to the next.
+    fn memory(&self) -> [(&'static str, &wgpu::Buffer); 3] {
+        [("tallies", &self.tallies), ("runs", &self.runs), ("dispatch", &self.dispatch)]
     }
 
     /// What is known of every pixel, in the order of tiles.

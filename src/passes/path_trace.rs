@@ -118,8 +118,17 @@ impl PathTrace {
             fault_material: INVALID,
             ..GpuFilmPixel::zeroed()
         };
-        let pixels = self.film_buffer.size() as usize / size_of::<GpuFilmPixel>();
-        device.queue.write_buffer(&self.film_buffer, 0, bytemuck::cast_slice(&vec![empty; pixels]));
+        self.write(device, &vec![empty; self.pixel_count() as usize]);
+    }
+
+    /// Pixels that the film buffer holds.
+    pub fn pixel_count(&self) -> u32 {
+        (self.film_buffer.size() / size_of::<GpuFilmPixel>() as u64) as u32
+    }
+
+    /// Replaces the film buffer's first pixels.
+    pub fn write(&self, device: &Device, pixels: &[GpuFilmPixel]) {
+        device.queue.write_buffer(&self.film_buffer, 0, bytemuck::cast_slice(pixels));
     }
 
     /// Random numbers from here on are of that seed.

@@ -19,7 +19,7 @@ pub(super) struct Rounds {
     /// Pixels on the list.
     pub(super) active_count: u32,
     /// Samples of the one that has most.
-    most_samples: u32,
+    pub(super) most_samples: u32,
     /// The next block of each.
     pub(super) sweep: Sweep,
 }

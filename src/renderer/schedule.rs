@@ -3,6 +3,7 @@
 //! added in order within a block, and blocks in order.
 
 use super::sweep::{MOST_TILES, Sweep};
+use crate::film::SampleRange;
 use crate::gpu::Device;
 use crate::passes::PathTrace;
 use crate::settings::RenderSettings;
@@ -13,7 +14,7 @@ pub(super) struct Schedule {
     tile_count: u32,
     region_tiles: u32,
     block_size: u32,
-    spp: u32,
+    samples: SampleRange,
     /// First sample of the block.
     block_first: u32,
     /// First tile of the region.
@@ -32,16 +33,36 @@ impl Schedule {
             return Err(Error::Limit("the device cannot hold one tile of the film".into()));
         }
         let region_tiles = tile_count.min(MOST_TILES).min(fits as u32);
-        let block_size = settings.block_size;
+        let (block_size, samples) = (settings.block_size, settings.samples());
         Ok(Self {
             tile_count,
             region_tiles,
             block_size,
-            spp: settings.spp,
-            block_first: 0,
+            samples,
+            block_first: samples.first,
             region_first: 0,
-            sweep: Sweep::new(region_tiles, block_size.min(settings.spp)),
+            sweep: Sweep::new(region_tiles, block_size.min(samples.end - samples.first)),
         })
+    }
+
+    /// Begins the block of the region of that first tile and first sample; `None` if there is no
+    /// such.
+    pub(super) fn go_to(&mut self, region_first: u32, block_first: u32) -> Option<()> {
+        let range = self.samples.first..=self.samples.end;
+        let is_region =
+            region_first < self.tile_count && region_first.is_multiple_of(self.region_tiles);
+        if !is_region || !range.contains(&block_first) {
+            return None;
+        }
+        (self.region_first, self.block_first) = (region_first, block_first);
+        self.begin();
+        Some(())
+    }
+
+    fn begin(&mut self) {
+        let tiles = self.region_tiles.min(self.tile_count - self.region_first);
+        let samples = self.block_size.min(self.samples.end - self.block_first);
+        self.sweep = Sweep::new(tiles, samples);
     }
 
     /// Tiles of the largest region.
@@ -61,15 +82,16 @@ impl Schedule {
             self.region_first = 0;
             self.block_first += self.sweep.block_samples();
         }
-        let tiles = self.region_tiles.min(self.tile_count - self.region_first);
-        self.sweep = Sweep::new(tiles, self.block_size.min(self.spp - self.block_first));
+        self.begin();
     }
 
     /// Share of all samples that is taken.
     pub(super) fn progress(&self) -> f64 {
         let before_region = f64::from(self.region_first) * f64::from(self.sweep.block_samples());
-        let before_block = f64::from(self.block_first) * f64::from(self.tile_count);
+        let taken = f64::from(self.block_first - self.samples.first);
+        let before_block = taken * f64::from(self.tile_count);
         let done = before_block + before_region + self.sweep.tile_samples();
-        done / (f64::from(self.spp) * f64::from(self.tile_count))
+        let all = f64::from(self.samples.end - self.samples.first);
+        done / (all * f64::from(self.tile_count))
     }
 }

@@ -4,6 +4,7 @@ use crate::gpu::GpuFilmPixel;
 use crate::passes::FloatEnvironment;
 use crate::shader::Features;
 use crate::shader::generated::{Fault, INVALID};
+use serde::{Deserialize, Serialize};
 
 /// Counts and times of a render.
 #[derive(Debug, Clone, Default)]
@@ -51,7 +52,7 @@ pub struct RenderStatistics {
 }
 
 /// A faulty sample.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FaultLocation {
     /// Column and row in the whole picture.
     pub pixel: (u32, u32),

@@ -2,6 +2,7 @@
 
 use crate::gpu::{Device, DeviceKind};
 use crate::passes::Tuning;
+use serde::{Deserialize, Serialize};
 
 /// Tile samples of the first dispatch.
 const FIRST_TILE_SAMPLES: f64 = 16.0;
@@ -37,7 +38,7 @@ pub(super) struct Piece {
 }
 
 /// A block of samples of a list of tiles, and how much of it is done.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Sweep {
     tile_count: u32,
     block_samples: u32,

@@ -10,7 +10,7 @@ use glam::{Affine2, Affine3A, Vec2, Vec3, Vec4};
 use std::f64::consts::PI;
 use steradian::RenderSettings;
 use steradian::scene::{ColorSpace, Image, LightKind, Material, Scene, TextureRef, Wrap};
-use steradian::settings::Strategy;
+use steradian::settings::{LightSelection, Strategy};
 use steradian::statistics::{FALSE_ALARM, GoodnessOfFit, sidak};
 
 /// Squares side by side that emit these radiances; with 0, by a black texture: their power is
@@ -51,9 +51,10 @@ struct Pick {
 fn pick(scene: &Scene, numbers: &[f32]) -> Vec<Pick> {
     let mut padded = numbers.to_vec();
     padded.resize(numbers.len().next_multiple_of(64), 0.0);
-    let out: Vec<Vec4> = Call::new(harness!("light_pick"), &[])
-        .on(scene, &RenderSettings::default())
-        .run(&padded, 1);
+    let by_power =
+        RenderSettings { light_selection: LightSelection::Power, ..RenderSettings::default() };
+    let out: Vec<Vec4> =
+        Call::new(harness!("light_pick"), &[]).on(scene, &by_power).run(&padded, 1);
     let pick =
         |o: &Vec4| Pick { index: o.x as usize, cdf: o.y, pmf: o.z, light_count: o.w as usize };
     out[..numbers.len()].iter().map(pick).collect()

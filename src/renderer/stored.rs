@@ -1,0 +1,237 @@
+//! A render in a film file, and back: also in the middle of a block, so that it ends with the bits
+//! that it would have had without the break.
+
+use super::sweep::Sweep;
+use super::{FaultLocation, Plan, Renderer};
+use crate::film::{Film, FilmFile, FilmHead, Sections};
+use crate::gpu::GpuFilmPixel;
+use crate::shader::generated::TILE_PIXELS;
+use crate::{Error, Result};
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::time::{Duration, Instant};
+
+/// Where a render stands: the head of its sections.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct RenderHead {
+    film: FilmHead,
+    position: Position,
+    counts: Counts,
+    /// Whether all samples are taken.
+    pub is_done: bool,
+    /// Time that it has taken so far.
+    seconds: f64,
+}
+
+/// Which samples come next.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+enum Position {
+    Fixed { region_first: u32, block_first: u32, sweep: Sweep },
+    Adaptive { active_count: u32, most_samples: u32, sweep: Sweep },
+}
+
+/// What was counted.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Counts {
+    /// Camera paths.
+    pub samples: u64,
+    /// Rays that looked for their nearest hit.
+    pub closest_rays: u64,
+    /// Rays that looked for any hit.
+    pub shadow_rays: u64,
+    /// Samples with a fault, by cause.
+    pub faults: [u64; 4],
+    /// The first of them.
+    pub first_fault: Option<FaultLocation>,
+    /// Times that pixels were judged.
+    pub decisions: u32,
+    /// Tracing and reading back.
+    pub render_seconds: f64,
+    /// Of that, keeping account of which pixels go on.
+    pub stopping_seconds: f64,
+}
+
+/// What survives the loss of a device.
+pub struct HostState {
+    film: Film,
+    /// First tile of the region and first sample of the block that was lost.
+    first: (u32, u32),
+    counts: Counts,
+    elapsed: Duration,
+}
+
+impl RenderHead {
+    /// The film's head.
+    pub fn film(&self) -> &FilmHead {
+        &self.film
+    }
+
+    /// What was counted.
+    pub fn counts(&self) -> &Counts {
+        &self.counts
+    }
+}
+
+impl Renderer {
+    /// Where it stands, and the sections that [`Renderer::go_on`] needs. Not after
+    /// [`Renderer::finish`] has folded an incomplete block.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`].
+    pub fn stored(&self) -> Result<(RenderHead, Sections<'_>)> {
+        let device = &self.prepared.device;
+        let mut sections = self.film.sections();
+        let position = match &self.plan {
+            Plan::Fixed(schedule) => {
+                let (region_first, block_first) = schedule.first();
+                let sweep = schedule.sweep;
+                if !sweep.is_new() && !sweep.is_done() {
+                    let pixels = self.pass.read(device, sweep.tile_count() * TILE_PIXELS)?;
+                    sections.push(("device.film".into(), bytes_of(&pixels).into()));
+                }
+                Position::Fixed { region_first, block_first, sweep }
+            }
+            Plan::Adaptive(rounds) => {
+                let pixels = self.pass.read(device, self.pass.pixel_count())?;
+                sections.push(("device.film".into(), bytes_of(&pixels).into()));
+                for (name, bytes) in rounds.pass.stored(device)? {
+                    sections.push((format!("device.{name}"), Cow::Owned(bytes)));
+                }
+                let (active_count, most_samples) = (rounds.active_count, rounds.most_samples);
+                Position::Adaptive { active_count, most_samples, sweep: rounds.sweep }
+            }
+        };
+        let head = RenderHead {
+            film: self.film.head(),
+            position,
+            counts: self.counts(),
+            is_done: self.is_done(),
+            seconds: self.elapsed().as_secs_f64(),
+        };
+        Ok((head, sections))
+    }
+
+    /// Goes on where a render of the same scene and settings stood.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file does not fit.
+    pub fn go_on(&mut self, head: &RenderHead, file: &FilmFile) -> Result<()> {
+        let device = self.prepared.device.clone();
+        let misfit = || {
+            let message = "is of another render, or of a device with other limits";
+            Error::io(file.path(), std::io::Error::new(std::io::ErrorKind::InvalidData, message))
+        };
+        let (mine, its) = (self.film.head(), &head.film);
+        if (mine.window, mine.unit, mine.samples) != (its.window, its.unit, its.samples) {
+            return Err(misfit());
+        }
+        let film = Film::read(file, its)?;
+        match (&mut self.plan, &head.position) {
+            (Plan::Fixed(schedule), Position::Fixed { region_first, block_first, sweep }) => {
+                schedule.go_to(*region_first, *block_first).ok_or_else(misfit)?;
+                if schedule.sweep.tile_count() != sweep.tile_count()
+                    || schedule.sweep.block_samples() != sweep.block_samples()
+                {
+                    return Err(misfit());
+                }
+                if file.has("device.film") {
+                    let count = sweep.tile_count() * TILE_PIXELS;
+                    let pixels: Vec<GpuFilmPixel> = file.section("device.film", count as usize)?;
+                    self.pass.write(&device, &pixels);
+                }
+                schedule.sweep = *sweep;
+            }
+            (Plan::Adaptive(rounds), Position::Adaptive { active_count, most_samples, sweep }) => {
+                let count = self.pass.pixel_count() as usize;
+                let pixels: Vec<GpuFilmPixel> = file.section("device.film", count)?;
+                self.pass.write(&device, &pixels);
+                rounds.pass.restore(&device, |name, bytes| {
+                    file.section(&format!("device.{name}"), bytes)
+                })?;
+                (rounds.active_count, rounds.most_samples) = (*active_count, *most_samples);
+                rounds.sweep = *sweep;
+            }
+            _ => return Err(misfit()),
+        }
+        self.film = film;
+        self.take_counts(&head.counts, Duration::from_secs_f64(head.seconds.max(0.0)));
+        Ok(())
+    }
+
+    /// What the host has after the device was lost, for [`Renderer::take_over`]: without the block
+    /// under way. `None` where pixels stop one by one, of which only the device knew.
+    pub fn into_host_state(self) -> Option<HostState> {
+        let (counts, elapsed) = (self.counts(), self.elapsed());
+        let Plan::Fixed(schedule) = self.plan else { return None };
+        Some(HostState { film: self.film, first: schedule.first(), counts, elapsed })
+    }
+
+    /// Goes on, on another device or the same opened again, where a render of the same scene and
+    /// settings lost its own.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] if it is of another render.
+    pub fn take_over(&mut self, state: HostState) -> Result<()> {
+        let misfit = || Error::Settings("the other render is cut in another way".into());
+        let Plan::Fixed(schedule) = &mut self.plan else { return Err(misfit()) };
+        schedule.go_to(state.first.0, state.first.1).ok_or_else(misfit)?;
+        self.film = state.film;
+        self.take_counts(&state.counts, state.elapsed);
+        Ok(())
+    }
+
+    fn counts(&self) -> Counts {
+        let s = &self.statistics;
+        Counts {
+            samples: s.samples,
+            closest_rays: s.closest_rays,
+            shadow_rays: s.shadow_rays,
+            faults: s.faults,
+            first_fault: s.first_fault,
+            decisions: s.decisions,
+            render_seconds: s.render_seconds,
+            stopping_seconds: s.stopping_seconds,
+        }
+    }
+
+    fn take_counts(&mut self, counts: &Counts, elapsed: Duration) {
+        counts.put_into(&mut self.statistics);
+        self.elapsed_before = elapsed;
+        self.started = None;
+    }
+
+    /// Time since the first step, with that of the renders that it goes on from.
+    pub(super) fn elapsed(&self) -> Duration {
+        self.elapsed_before + self.started.as_ref().map_or(Duration::ZERO, Instant::elapsed)
+    }
+}
+
+impl Counts {
+    /// Replaces the counts there.
+    pub fn put_into(&self, s: &mut super::RenderStatistics) {
+        s.samples = self.samples;
+        s.closest_rays = self.closest_rays;
+        s.shadow_rays = self.shadow_rays;
+        s.faults = self.faults;
+        s.first_fault = self.first_fault;
+        s.decisions = self.decisions;
+        s.render_seconds = self.render_seconds;
+        s.stopping_seconds = self.stopping_seconds;
+    }
+
+    /// Adds those of another part of the same render.
+    pub fn add(&mut self, other: &Self) {
+        self.samples += other.samples;
+        self.closest_rays += other.closest_rays;
+        self.shadow_rays += other.shadow_rays;
+        self.faults.iter_mut().zip(other.faults).for_each(|(a, b)| *a += b);
+        self.first_fault = self.first_fault.or(other.first_fault);
+        self.decisions += other.decisions;
+        self.render_seconds += other.render_seconds;
+        self.stopping_seconds += other.stopping_seconds;
+    }
+}
+
+fn bytes_of(pixels: &[GpuFilmPixel]) -> Vec<u8> {
+    bytemuck::cast_slice(pixels).to_vec()
+}
