@@ -12,7 +12,7 @@ mod views;
 pub use prepared::PreparedScene;
 pub use preview::Preview;
 pub use statistics::{FaultLocation, RenderStatistics};
-pub use stored::{Counts, HostState, RenderHead};
+pub use stored::{Counts, RenderHead};
 
 #[cfg(doc)]
 use crate::Error;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use steradian::image::{BitDepth, OutputFormat, ToneCurve};
 use steradian::{Error, Result};
 
+use super::film_output;
 use super::flags::RenderFlags;
 
 /// The picture to write.
@@ -27,6 +28,8 @@ pub(crate) struct Picture {
 pub(crate) struct Destinations {
     /// None where one pixel is printed.
     pub(crate) picture: Option<Picture>,
+    /// Sums for `steradian merge`, in place of the picture.
+    pub(crate) film: Option<PathBuf>,
     /// Statistics.
     pub(crate) stats: Option<PathBuf>,
     /// Map of the samples taken.
@@ -36,15 +39,17 @@ pub(crate) struct Destinations {
 impl Destinations {
     /// Checks names, endings and folders.
     pub(crate) fn check(flags: &RenderFlags) -> Result<Self> {
-        let picture = flags.output.as_deref().map(|path| picture(path, flags)).transpose()?;
-        let is_png = picture.as_ref().is_some_and(|p| p.format == OutputFormat::Png);
+        let film = flags.output.clone().filter(|path| film_output::is_film(path));
         let shown = &flags.job.picture;
         let is_shown = shown.bits.is_some() || shown.exposure.is_some() || shown.tone_map.is_some();
-        if !is_png && is_shown {
-            let message = "--bits, --exposure and --tone-map are for PNG; other output has linear \
-                           32-bit floats";
-            return Err(Error::Settings(message.into()));
-        }
+        let picture = match flags.output.as_deref().filter(|_| film.is_none()) {
+            None if is_shown => return Err(not_for_png()),
+            None => None,
+            Some(path) => {
+                let depth = bit_depth(shown.bits.as_deref());
+                Some(picture(path, depth, shown.exposure, shown.tone_map, is_shown)?)
+            }
+        };
         let sample_map = flags.sample_map.clone();
         if let Some(map) = &sample_map
             && OutputFormat::from_path(map)? != OutputFormat::Png
@@ -56,6 +61,7 @@ impl Destinations {
             ("--output", flags.output.as_ref()),
             ("--stats", flags.stats.as_ref()),
             ("--sample-map", sample_map.as_ref()),
+            ("--checkpoint", flags.farm.checkpoint.as_ref()),
         ];
         for (i, (flag, path)) in named.iter().enumerate() {
             let Some(path) = path else { continue };
@@ -65,18 +71,37 @@ impl Destinations {
             }
             check_place(path)?;
         }
-        Ok(Self { picture, stats: flags.stats.clone(), sample_map })
+        Ok(Self { picture, film, stats: flags.stats.clone(), sample_map })
     }
 }
 
-fn picture(path: &Path, flags: &RenderFlags) -> Result<Picture> {
-    let format = OutputFormat::from_path(path)?;
-    let depth = match flags.job.picture.bits.as_deref() {
+fn not_for_png() -> Error {
+    let message =
+        "--bits, --exposure and --tone-map are for PNG; other output has linear 32-bit floats";
+    Error::Settings(message.into())
+}
+
+/// What `--bits` asks for.
+pub(crate) fn bit_depth(bits: Option<&str>) -> BitDepth {
+    match bits {
         Some("16") => BitDepth::Sixteen,
         _ => BitDepth::Eight,
-    };
-    let exposure_ev = flags.job.picture.exposure.unwrap_or(0.0);
-    let tone_curve = flags.job.picture.tone_map.unwrap_or_default();
+    }
+}
+
+/// The picture of that name; `is_shown`: whether anything is asked for that PNG alone has.
+pub(crate) fn picture(
+    path: &Path,
+    depth: BitDepth,
+    exposure: Option<f32>,
+    tone_curve: Option<ToneCurve>,
+    is_shown: bool,
+) -> Result<Picture> {
+    let format = OutputFormat::from_path(path)?;
+    if is_shown && format != OutputFormat::Png {
+        return Err(not_for_png());
+    }
+    let (exposure_ev, tone_curve) = (exposure.unwrap_or(0.0), tone_curve.unwrap_or_default());
     Ok(Picture { path: path.to_owned(), format, depth, exposure_ev, tone_curve })
 }
 

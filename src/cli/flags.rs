@@ -1,5 +1,6 @@
 //! The flags as they are spelt. [`super::job`] gives them their meaning.
 
+use super::checkpoint::FarmFlags;
 use super::scene_flags::SceneFlags;
 use super::stopping::{MAP_COLORS, StoppingFlags};
 use super::talk::Verbosity;
@@ -53,6 +54,9 @@ pub(crate) struct RenderFlags {
 
     #[command(flatten)]
     pub(crate) job: JobFlags,
+
+    #[command(flatten)]
+    pub(crate) farm: FarmFlags,
 }
 
 /// Flags of `view`.
@@ -141,6 +145,13 @@ pub(crate) struct PictureFlags {
     /// Tone curve of a PNG, after the exposure; none by default
     #[arg(long, value_parser = values::one_of(values::TONE_CURVES))]
     pub(crate) tone_map: Option<ToneCurve>,
+}
+
+impl PictureFlags {
+    /// The part of the picture that is rendered.
+    pub(crate) fn region(&self) -> Option<Crop> {
+        self.crop.or(self.pixel)
+    }
 }
 
 /// How light is sampled.

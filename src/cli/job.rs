@@ -49,7 +49,7 @@ impl Job {
         let requested_spp = flags.stopping.requested_spp();
         let settings = RenderSettings {
             resolution: resolution(&flags.picture, &scene.cameras[camera])?,
-            crop: flags.picture.crop.or(flags.picture.pixel),
+            crop: flags.picture.region(),
             spp: flags.stopping.spp_limit(),
             part: None,
             time: flags.stopping.time,

@@ -2,19 +2,26 @@
 //! the work. What was asked for goes to standard output, all else to standard error.
 
 mod bench;
+mod checkpoint;
 mod compare;
 mod compare_flags;
 pub(crate) mod destination;
 mod devices;
+mod drill;
+mod film_output;
 pub(crate) mod flags;
+mod identity;
 mod info;
 pub(crate) mod job;
+mod merge;
 pub(crate) mod output;
 mod progress;
 mod reference;
 mod render;
 pub(crate) mod report;
 pub(crate) mod scene_flags;
+mod session;
+mod shard;
 pub(crate) mod signals;
 mod stats;
 pub(crate) mod stopping;
@@ -51,6 +58,8 @@ enum Command {
     Info(flags::InfoFlags),
     /// Say how far pictures are from each other, and whether that is too far
     Compare(Box<compare_flags::CompareFlags>),
+    /// Join the parts of a render (--shard) to the picture of the whole
+    Merge(Box<merge::MergeFlags>),
     /// List the devices that can render
     Devices,
 }
@@ -64,6 +73,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Bench(flags) => bench::run(flags),
         Command::Info(flags) => info::run(flags),
         Command::Compare(flags) => compare::run(flags),
+        Command::Merge(flags) => merge::run(flags),
         Command::Devices => devices::run(),
     }
 }

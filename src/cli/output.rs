@@ -16,17 +16,24 @@ use steradian::image::{
 
 /// Writes the film's picture and what made it.
 pub(crate) fn write(picture: &Picture, outcome: &Outcome) -> Result<()> {
-    let metadata = metadata(outcome);
+    write_film(picture, outcome.film, outcome.job.settings.resolution, metadata(outcome))
+}
+
+/// Writes a film's picture, which is all or a part of one of size `resolution`.
+pub(crate) fn write_film(
+    picture: &Picture,
+    film: &Film,
+    resolution: (u32, u32),
+    metadata: Vec<(String, Attribute)>,
+) -> Result<()> {
     match picture.format {
         OutputFormat::Png => {
             let text = metadata.into_iter().map(|(name, value)| (name, as_text(value))).collect();
             let Picture { depth, exposure_ev, tone_curve, .. } = *picture;
             let options = PngOptions { depth, exposure_ev, tone_curve, text };
-            write_png(&picture.path, &outcome.film.picture(), &options)
+            write_png(&picture.path, &film.picture(), &options)
         }
         OutputFormat::Exr => {
-            let film = outcome.film;
-            let resolution = outcome.job.settings.resolution;
             let mut image = ExrImage::from_crop(&film.picture(), resolution, film.window());
             image.layers.push(noise_layer(film));
             image.metadata = metadata.into_iter().collect();
@@ -99,12 +106,22 @@ pub(crate) fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
         all.push(("spp_limit", number(settings.spp)));
         all.push(("most_samples", number(outcome.film.most_samples())));
     }
-    // Only a picture that has some is marked.
-    let faults: u64 = outcome.statistics.faults.iter().sum();
-    if faults > 0 {
-        all.push(("faults", text(&faults.to_string())));
+    let entry = |(name, value)| (format!("steradian.{name}"), value);
+    let mut all = all.into_iter().map(entry).collect();
+    set_result(&mut all, outcome.film, outcome.statistics.faults.iter().sum());
+    all
+}
+
+/// Corrects the entries that the samples decide.
+pub(crate) fn set_result(entries: &mut Vec<(String, Attribute)>, film: &Film, faults: u64) {
+    for (_, value) in entries.iter_mut().filter(|(name, _)| name == "steradian.spp") {
+        *value = Attribute::Number(film.least_samples().into());
     }
-    all.into_iter().map(|(name, value)| (format!("steradian.{name}"), value)).collect()
+    entries.retain(|(name, _)| name != "steradian.faults");
+    // Only a picture that has some is marked.
+    if faults > 0 {
+        entries.push(("steradian.faults".into(), Attribute::Text(faults.to_string())));
+    }
 }
 
 pub(crate) fn as_text(value: Attribute) -> String {

@@ -6,6 +6,7 @@ use std::io::IsTerminal;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
+use steradian::Result;
 
 /// Steps of the bar.
 const RESOLUTION: f64 = 1000.0;
@@ -91,6 +92,15 @@ impl Progress {
             }
             Form::Lines { .. } | Form::Silent => {}
         }
+    }
+
+    /// Does what may write lines.
+    pub(super) fn break_for(self, work: impl FnOnce() -> Result<()>) -> Result<Self> {
+        match &self.form {
+            Form::Bar(bar) => bar.suspend(work)?,
+            Form::Lines { .. } | Form::Silent => work()?,
+        }
+        Ok(self)
     }
 
     /// Removes the bar: lines can be written again.

@@ -53,5 +53,6 @@ pub(super) fn run(call: &Call, job: &Job) -> Result<ExitCode> {
         film: &film,
         statistics: &statistics,
         stop_code: stop.exit_code(),
+        is_snapshot: false,
     })
 }

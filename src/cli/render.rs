@@ -1,19 +1,19 @@
 //! `steradian render`.
 
+use super::checkpoint::Checkpoint;
 use super::destination::Destinations;
 use super::flags::RenderFlags;
 use super::job::Job;
 use super::progress::{Progress, while_busy};
 use super::report::{self, Outcome};
+use super::session::Session;
 use super::signals::StopRequest;
 use super::talk::Verbosity;
-use super::{output, reference, stats, view};
+use super::{film_output, output, reference, shard, stats, view};
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::time::Instant;
-use steradian::gpu::Device;
 use steradian::view::Source;
-use steradian::{Error, Renderer, Result};
+use steradian::{Error, Result};
 
 /// One call of `steradian render`.
 pub(super) struct Call<'a> {
@@ -35,34 +35,32 @@ pub(super) fn run(flags: &RenderFlags) -> Result<ExitCode> {
     if let Some(view) = flags.job.picture.view.filter(|view| view.source() == Source::FirstHits) {
         return view::run(&call, &job, view);
     }
-    if job.is_reference { reference::run(&call, &job) } else { run_on_device(&call, &job) }
+    if job.is_reference { reference::run(&call, &job) } else { run_on_device(&call, job) }
 }
 
-fn run_on_device(call: &Call, job: &Job) -> Result<ExitCode> {
-    let verbosity = call.verbosity;
-    let device = Arc::new(Device::open(call.flags.device.as_deref())?);
-    let info = device.info();
-    report::job(verbosity, job, &format!("{} {} ({})", info.index, info.name, info.driver));
-    let mut renderer = while_busy(verbosity, "building trees, compiling shaders", || {
-        Renderer::new(device.clone(), &job.scene, &job.settings)
-    })?;
-    let stop = StopRequest::listen()?;
-    report::renderer(verbosity, renderer.statistics());
-    let mut progress = Progress::start(verbosity);
-    // At least one step, so that there is a picture however early the signal comes.
-    while renderer.step()? && stop.exit_code().is_none() {
-        progress.update(renderer.progress());
+fn run_on_device(call: &Call, mut job: Job) -> Result<ExitCode> {
+    if let Some(shard) = call.flags.farm.shard {
+        shard::apply(&mut job, shard)?;
     }
-    renderer.finish()?;
+    film_output::check(call, &job)?;
+    let mut session = Session::open(call, &job)?;
+    let mut checkpoint =
+        Checkpoint::begin(call, &job, session.device.info(), &mut session.renderer)?;
+    let stop = StopRequest::listen()?;
+    report::renderer(call.verbosity, session.renderer.statistics());
+    let mut progress = Progress::start(call.verbosity);
+    // At least one step, so that there is a picture however early the signal comes.
+    while session.step(&mut checkpoint)? && stop.exit_code().is_none() {
+        progress.update(session.renderer.progress());
+        if stop.wants_snapshot() {
+            progress = progress.break_for(|| session.write_snapshot())?;
+        }
+        if let Some(checkpoint) = &mut checkpoint {
+            checkpoint.keep_if_due(&session.renderer)?;
+        }
+    }
     progress.end();
-    call.conclude(&Outcome {
-        job,
-        device: &info.name,
-        driver: &info.driver,
-        film: renderer.film(),
-        statistics: renderer.statistics(),
-        stop_code: stop.exit_code(),
-    })
+    session.conclude(checkpoint, stop.exit_code())
 }
 
 impl Call<'_> {
@@ -73,7 +71,7 @@ impl Call<'_> {
         Ok(outcome.stop_code.map_or(ExitCode::SUCCESS, ExitCode::from))
     }
 
-    fn write(&self, outcome: &Outcome) -> Result<()> {
+    pub(super) fn write(&self, outcome: &Outcome) -> Result<()> {
         let (flags, destinations) = (self.flags, &self.destinations);
         if let Some(picture) = &destinations.picture {
             match flags.job.picture.view {
@@ -82,6 +80,9 @@ impl Call<'_> {
                 }
                 None => output::write(picture, outcome)?,
             }
+        }
+        if let Some(path) = &destinations.film {
+            film_output::write(path, self, outcome)?;
         }
         if let Some(path) = &destinations.sample_map {
             output::write_sample_map(path, flags.sample_map_colors, outcome)?;

@@ -22,12 +22,14 @@ pub(crate) struct Outcome<'a> {
     pub(crate) statistics: &'a RenderStatistics,
     /// The exit code of the signal that stopped it, if one did.
     pub(crate) stop_code: Option<u8>,
+    /// Whether the render goes on.
+    pub(crate) is_snapshot: bool,
 }
 
 impl Outcome<'_> {
-    /// Whether a signal stopped the render.
+    /// Whether samples are missing that were asked for.
     pub(crate) fn is_partial(&self) -> bool {
-        self.stop_code.is_some()
+        self.is_snapshot || self.stop_code.is_some()
     }
 }
 
@@ -93,6 +95,9 @@ fn summary(outcome: &Outcome, destinations: &Destinations, wall_seconds: f64) ->
     if let Some(picture) = &destinations.picture {
         let partial = if outcome.is_partial() { "partial picture " } else { "" };
         lines.push(format!("{partial}{}: {what}", picture.path.display()));
+    } else if let Some(film) = &destinations.film {
+        let partial = if outcome.is_partial() { "partial film " } else { "" };
+        lines.push(format!("{partial}{}: {what}", film.display()));
     } else {
         lines.push(what);
     }
@@ -152,7 +157,7 @@ fn sample_range(film: &Film) -> String {
     }
 }
 
-fn error_line(estimate: Option<&ErrorEstimate>) -> String {
+pub(crate) fn error_line(estimate: Option<&ErrorEstimate>) -> String {
     match estimate {
         Some(e) if e.relmse == 0.0 => "estimated error 0: every block of samples agrees".into(),
         Some(e) => {

@@ -1,7 +1,7 @@
 //! SIGINT and SIGTERM: the first one asks for an end with the partial picture
-//! written, the second one ends the program at once.
+//! written, the second one ends the program at once. SIGUSR1 asks for the picture so far.
 
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::flag;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -11,6 +11,7 @@ use steradian::{Error, Result};
 pub(crate) struct StopRequest {
     /// The number of the signal; 0 before any.
     signal: Arc<AtomicUsize>,
+    snapshot: Arc<AtomicBool>,
 }
 
 impl StopRequest {
@@ -26,7 +27,14 @@ impl StopRequest {
                 .and_then(|_| flag::register(number, is_requested.clone()))
                 .map_err(|e| Error::io("signal handlers", e))?;
         }
-        Ok(Self { signal })
+        let snapshot = Arc::new(AtomicBool::new(false));
+        flag::register(SIGUSR1, snapshot.clone()).map_err(|e| Error::io("signal handlers", e))?;
+        Ok(Self { signal, snapshot })
+    }
+
+    /// Whether the picture so far was asked for since the last call.
+    pub(crate) fn wants_snapshot(&self) -> bool {
+        self.snapshot.swap(false, Ordering::SeqCst)
     }
 
     /// The exit code of the signal that came, if any: 128 and its number.

@@ -180,6 +180,13 @@ impl Device {
         self.texture_binding_size
     }
 
+    /// Loses the device on purpose: whatever comes after fails with [`Error::DeviceLost`].
+    pub fn destroy(&self) {
+        self.device.destroy();
+        let mut failure = self.failure.lock().unwrap();
+        failure.get_or_insert_with(|| "device lost: destroyed on order".into());
+    }
+
     /// Waits for all submitted work.
     ///
     /// # Errors

@@ -12,6 +12,7 @@ use ::exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, IntegerBounds,
     LayerAttributes, ReadChannels, ReadLayers, Text, Vec2, WritableImage, f16,
 };
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, Cursor, Write};
@@ -50,7 +51,7 @@ pub enum ChannelData {
 }
 
 /// Value of an attribute.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Attribute {
     /// Text, UTF-8.
     Text(String),

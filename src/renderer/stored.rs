@@ -2,7 +2,7 @@
 //! that it would have had without the break.
 
 use super::sweep::Sweep;
-use super::{FaultLocation, Plan, Renderer};
+use super::{FaultLocation, Plan, RenderStatistics, Renderer};
 use crate::film::{Film, FilmFile, FilmHead, Sections};
 use crate::gpu::GpuFilmPixel;
 use crate::shader::generated::TILE_PIXELS;
@@ -49,15 +49,6 @@ pub struct Counts {
     pub render_seconds: f64,
     /// Of that, keeping account of which pixels go on.
     pub stopping_seconds: f64,
-}
-
-/// What survives the loss of a device.
-pub struct HostState {
-    film: Film,
-    /// First tile of the region and first sample of the block that was lost.
-    first: (u32, u32),
-    counts: Counts,
-    elapsed: Duration,
 }
 
 impl RenderHead {
@@ -158,40 +149,43 @@ impl Renderer {
         Ok(())
     }
 
-    /// What the host has after the device was lost, for [`Renderer::take_over`]: without the block
-    /// under way. `None` where pixels stop one by one, of which only the device knew.
-    pub fn into_host_state(self) -> Option<HostState> {
-        let (counts, elapsed) = (self.counts(), self.elapsed());
-        let Plan::Fixed(schedule) = self.plan else { return None };
-        Some(HostState { film: self.film, first: schedule.first(), counts, elapsed })
+    /// As [`Renderer::stored`] after the device was lost: as of the beginning of the block under way.
+    /// `None` where pixels stop one by one, of which only the device knew.
+    pub fn stored_without_device(&self) -> Option<(RenderHead, Sections<'_>)> {
+        let Plan::Fixed(schedule) = &self.plan else { return None };
+        let (region_first, block_first) = schedule.first();
+        let sweep = schedule.sweep.begun_anew();
+        let head = RenderHead {
+            film: self.film.head(),
+            position: Position::Fixed { region_first, block_first, sweep },
+            counts: self.counts(),
+            is_done: self.is_done(),
+            seconds: self.elapsed().as_secs_f64(),
+        };
+        Some((head, self.film.sections()))
     }
 
-    /// Goes on, on another device or the same opened again, where a render of the same scene and
-    /// settings lost its own.
+    /// Goes on where `lost`, a render of the same scene and settings whose device was lost, stood at
+    /// the beginning of the block under way. `false`: it begins anew, since pixels stop one by one,
+    /// of which only that device knew.
     ///
     /// # Errors
-    /// [`Error::Settings`] if it is of another render.
-    pub fn take_over(&mut self, state: HostState) -> Result<()> {
+    /// [`Error::Settings`] if it is another render.
+    pub fn take_over(&mut self, lost: Self) -> Result<bool> {
         let misfit = || Error::Settings("the other render is cut in another way".into());
-        let Plan::Fixed(schedule) = &mut self.plan else { return Err(misfit()) };
-        schedule.go_to(state.first.0, state.first.1).ok_or_else(misfit)?;
-        self.film = state.film;
-        self.take_counts(&state.counts, state.elapsed);
-        Ok(())
+        let (counts, elapsed) = (lost.counts(), lost.elapsed());
+        let (Plan::Fixed(schedule), Plan::Fixed(its)) = (&mut self.plan, &lost.plan) else {
+            return Ok(false);
+        };
+        let (region_first, block_first) = its.first();
+        schedule.go_to(region_first, block_first).ok_or_else(misfit)?;
+        self.film = lost.film;
+        self.take_counts(&counts, elapsed);
+        Ok(true)
     }
 
     fn counts(&self) -> Counts {
-        let s = &self.statistics;
-        Counts {
-            samples: s.samples,
-            closest_rays: s.closest_rays,
-            shadow_rays: s.shadow_rays,
-            faults: s.faults,
-            first_fault: s.first_fault,
-            decisions: s.decisions,
-            render_seconds: s.render_seconds,
-            stopping_seconds: s.stopping_seconds,
-        }
+        Counts::of(&self.statistics)
     }
 
     fn take_counts(&mut self, counts: &Counts, elapsed: Duration) {
@@ -207,8 +201,22 @@ impl Renderer {
 }
 
 impl Counts {
+    /// Of a render.
+    pub fn of(s: &RenderStatistics) -> Self {
+        Self {
+            samples: s.samples,
+            closest_rays: s.closest_rays,
+            shadow_rays: s.shadow_rays,
+            faults: s.faults,
+            first_fault: s.first_fault,
+            decisions: s.decisions,
+            render_seconds: s.render_seconds,
+            stopping_seconds: s.stopping_seconds,
+        }
+    }
+
     /// Replaces the counts there.
-    pub fn put_into(&self, s: &mut super::RenderStatistics) {
+    pub fn put_into(&self, s: &mut RenderStatistics) {
         s.samples = self.samples;
         s.closest_rays = self.closest_rays;
         s.shadow_rays = self.shadow_rays;

@@ -72,6 +72,11 @@ impl Sweep {
         Self { tile_count, block_samples, sample: 0, tile: 0 }
     }
 
+    /// The same, of which nothing is done.
+    pub(super) fn begun_anew(&self) -> Self {
+        Self { sample: 0, tile: 0, ..*self }
+    }
+
     /// The next piece; `None` when all are done.
     pub(super) fn next(&self, pace: &Pace) -> Option<Piece> {
         if self.is_done() {

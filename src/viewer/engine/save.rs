@@ -46,7 +46,8 @@ impl Engine {
             film: &film,
             statistics: &statistics,
             // What is not done is marked, as a picture is that a signal ended.
-            stop_code: (!self.is_over).then_some(0),
+            stop_code: None,
+            is_snapshot: !self.is_over,
         };
         match view {
             Some(view) => view::write_of_film(picture, view, &outcome).map(drop),

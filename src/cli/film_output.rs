@@ -1,0 +1,88 @@
+//! `.film` output: the sums of a part of a render, for `steradian merge`.
+
+use super::identity::Identity;
+use super::job::Job;
+use super::output;
+use super::render::Call;
+use super::report::Outcome;
+use super::shard::Shard;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use steradian::film::{Film, FilmFile, FilmHead, write_film_file};
+use steradian::image::Attribute;
+use steradian::renderer::Counts;
+use steradian::settings::Crop;
+use steradian::{Error, RenderSettings, Result};
+
+/// The head of a part.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct PartHead {
+    pub(super) part: Identity,
+    pub(super) shard: Shard,
+    pub(super) resolution: (u32, u32),
+    /// Of the whole.
+    pub(super) window: Crop,
+    /// Whether samples are missing.
+    pub(super) is_partial: bool,
+    pub(super) film: FilmHead,
+    pub(super) counts: Counts,
+    /// Of the picture, as this part alone would have it.
+    pub(super) metadata: Vec<(String, Attribute)>,
+    /// Samples per pixel that were asked for.
+    pub(super) spp: u32,
+}
+
+/// Whether the name asks for a film file.
+pub(super) fn is_film(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("film"))
+}
+
+/// That a render can be a film.
+pub(super) fn check(call: &Call, job: &Job) -> Result<()> {
+    let refused = |message: &str| Err(Error::Settings(message.into()));
+    let is_film = call.destinations.film.is_some();
+    if call.flags.farm.shard.is_some() && !is_film {
+        return refused(
+            "--shard: a part is a .film; name the output so, and `steradian merge` joins them",
+        );
+    }
+    if is_film && (job.settings.stopping_rule().is_some() || job.is_reference) {
+        return refused(
+            "a .film holds as many samples for every pixel: not with --noise, --adaptive or --reference",
+        );
+    }
+    Ok(())
+}
+
+/// Writes the film of a render, which may be a part.
+pub(super) fn write(path: &Path, call: &Call, outcome: &Outcome) -> Result<()> {
+    let (job, film) = (outcome.job, outcome.film);
+    let region = call.flags.job.picture.region();
+    let whole = RenderSettings { crop: region, ..job.settings.clone() };
+    let head = PartHead {
+        part: Identity::new(job, region, (outcome.device, outcome.driver)),
+        shard: call.flags.farm.shard.unwrap_or(Shard { index: 0, count: 1 }),
+        resolution: whole.resolution,
+        window: whole.window(),
+        is_partial: outcome.is_partial(),
+        film: film.head(),
+        counts: Counts::of(outcome.statistics),
+        metadata: output::metadata(outcome),
+        spp: job.settings.spp,
+    };
+    write_film_file(path, &head, &film.sections())
+}
+
+/// Reads a part.
+pub(super) fn read(path: &Path) -> Result<(PartHead, FilmFile)> {
+    let file = FilmFile::open(path)?;
+    let head = file.head()?;
+    Ok((head, file))
+}
+
+impl PartHead {
+    /// Its film.
+    pub(super) fn film(&self, file: &FilmFile) -> Result<Film> {
+        Film::read(file, &self.film)
+    }
+}
