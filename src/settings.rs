@@ -1,5 +1,7 @@
 //! What to render and how: shared by the command line, tests and viewer.
 
+mod content_hash;
+
 use crate::scene::Scene;
 use crate::shader::generated::{MOST_BLOCK_SAMPLES, TILE_SIDE};
 use crate::stopping::StoppingRule;

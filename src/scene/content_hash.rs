@@ -5,10 +5,21 @@ use bytemuck::cast_slice;
 use std::fmt::{self, Write};
 
 /// 64-bit FNV-1a.
-struct Fnv(u64);
+pub(crate) struct Fnv(u64);
+
+impl Default for Fnv {
+    fn default() -> Self {
+        Self(0xCBF2_9CE4_8422_2325)
+    }
+}
 
 impl Fnv {
-    fn bytes(&mut self, bytes: &[u8]) {
+    /// Of what it was given so far.
+    pub(crate) fn value(&self) -> u64 {
+        self.0
+    }
+
+    pub(crate) fn bytes(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3);
         }
@@ -27,7 +38,7 @@ impl Scene {
     /// whatever file they, or the camera, came from. Names of materials and of the camera are part of
     /// it; notices and the scene's own name are not. It may change with the version of this program.
     pub fn content_hash(&self, camera: usize) -> u64 {
-        let mut hash = Fnv(0xCBF2_9CE4_8422_2325);
+        let mut hash = Fnv::default();
         for mesh in &self.meshes {
             hash.bytes(cast_slice(&mesh.positions));
             hash.bytes(cast_slice(&mesh.normals));
@@ -50,7 +61,7 @@ impl Scene {
         // Writing to a hash cannot fail. `{:?}` tells any two numbers apart.
         let _ = write!(hash, "{:?}", (&self.instances, &self.spheres, &self.materials));
         let _ = write!(hash, "{:?}", (&self.lights, &self.cameras.get(camera)));
-        hash.0
+        hash.value()
     }
 }
 

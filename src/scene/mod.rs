@@ -19,6 +19,7 @@ mod texture;
 mod usage;
 
 pub use camera::{Camera, Projection};
+pub(crate) use content_hash::Fnv;
 pub use environment::Environment;
 pub use light::{LightKind, PunctualLight};
 pub use material::{
