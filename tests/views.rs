@@ -14,7 +14,7 @@ use steradian::bvh::{
 };
 use steradian::gpu::{GpuFirstHit, SceneBuffers, TreeWidth};
 use steradian::image::{ChannelData, DisplayTransform};
-use steradian::passes::{FirstHits, Tuning};
+use steradian::passes::{Extras, FirstHits, Tuning};
 use steradian::reference::{self, Reference};
 use steradian::renderer::PreparedScene;
 use steradian::scene::{Camera, Projection, Scene};
@@ -28,7 +28,7 @@ fn hits(scene: &Scene, settings: &RenderSettings, rays: u32) -> Vec<GpuFirstHit>
     with_device(|device| {
         let tuning = Tuning::default();
         let prepared = PreparedScene::new(device.clone(), scene, settings).unwrap();
-        let mut hits = prepared.first_hits(scene, settings, false, &tuning).unwrap();
+        let mut hits = prepared.first_hits(scene, settings, Extras::default(), &tuning).unwrap();
         hits.run(&device, rays / 2).unwrap();
         hits.run(&device, rays - rays / 2).unwrap();
         assert!(hits.hits().iter().all(|h| h.ray_count == rays && h.faults == 0));

@@ -6,6 +6,8 @@ use steradian::image::{BitDepth, OutputFormat, ToneCurve};
 use steradian::{Error, Result};
 
 use super::flags::RenderFlags;
+use super::layer_flags::{ExrOptions, STANDARD_OUTPUT};
+use super::picture_layers;
 
 /// The picture to write.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +22,8 @@ pub(crate) struct Picture {
     pub(crate) exposure_ev: f32,
     /// For PNG.
     pub(crate) tone_curve: ToneCurve,
+    /// For EXR.
+    pub(crate) exr: ExrOptions,
 }
 
 /// All files of a render.
@@ -37,6 +41,8 @@ impl Destinations {
     /// Checks names, endings and folders.
     pub(crate) fn check(flags: &RenderFlags) -> Result<Self> {
         let picture = flags.output.as_deref().map(|path| picture(path, flags)).transpose()?;
+        let format = picture.as_ref().map(|p| p.format);
+        picture_layers::check(&flags.layers, format, flags.job.sampling.reference)?;
         let is_png = picture.as_ref().is_some_and(|p| p.format == OutputFormat::Png);
         let shown = &flags.job.picture;
         let is_shown = shown.bits.is_some() || shown.exposure.is_some() || shown.tone_map.is_some();
@@ -63,21 +69,24 @@ impl Destinations {
                 let message = format!("{}: {other} and {flag} name the same file", path.display());
                 return Err(Error::Settings(message));
             }
-            check_place(path)?;
+            if *flag != "--output" || path.as_os_str() != STANDARD_OUTPUT {
+                check_place(path)?;
+            }
         }
         Ok(Self { picture, stats: flags.stats.clone(), sample_map })
     }
 }
 
 fn picture(path: &Path, flags: &RenderFlags) -> Result<Picture> {
-    let format = OutputFormat::from_path(path)?;
+    let format = flags.layers.format_of(path, picture_layers::is_terminal())?;
     let depth = match flags.job.picture.bits.as_deref() {
         Some("16") => BitDepth::Sixteen,
         _ => BitDepth::Eight,
     };
     let exposure_ev = flags.job.picture.exposure.unwrap_or(0.0);
     let tone_curve = flags.job.picture.tone_map.unwrap_or_default();
-    Ok(Picture { path: path.to_owned(), format, depth, exposure_ev, tone_curve })
+    let exr = flags.layers.exr();
+    Ok(Picture { path: path.to_owned(), format, depth, exposure_ev, tone_curve, exr })
 }
 
 /// That a file can be made at `path`: its folder is there and lets a file be

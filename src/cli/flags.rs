@@ -1,5 +1,6 @@
 //! The flags as they are spelt. [`super::job`] gives them their meaning.
 
+use super::layer_flags::LayerFlags;
 use super::scene_flags::SceneFlags;
 use super::stopping::{MAP_COLORS, StoppingFlags};
 use super::talk::Verbosity;
@@ -19,7 +20,8 @@ pub(crate) struct RenderFlags {
     /// The scene: a .gltf or .glb file
     pub(crate) scene: PathBuf,
 
-    /// The picture: .png (what a display shows) or .exr (linear radiance, 32-bit floats)
+    /// The picture: .png (what a display shows) or .exr (linear radiance, 32-bit floats); - is
+    /// standard output
     #[arg(short, long, value_name = "FILE", required_unless_present = "pixel")]
     pub(crate) output: Option<PathBuf>,
 
@@ -50,6 +52,9 @@ pub(crate) struct RenderFlags {
     /// Its colours
     #[arg(long, requires = "sample_map", value_parser = values::one_of(MAP_COLORS), default_value = "viridis")]
     pub(crate) sample_map_colors: MapColors,
+
+    #[command(flatten)]
+    pub(crate) layers: LayerFlags,
 
     #[command(flatten)]
     pub(crate) job: JobFlags,

@@ -1,38 +1,29 @@
 //! The picture in a file, or one pixel as text.
 
 use super::destination::Picture;
+use super::picture_layers::deliver;
 use super::report::Outcome;
 use super::talk;
 use super::values::{ACCELS, LIGHT_SELECTIONS, SAMPLERS, STRATEGIES, word_for};
-use super::{reference, stopping};
+use super::{exr_file, reference, stopping};
 use std::fmt::Write;
 use std::path::Path;
 use steradian::Result;
-use steradian::film::Film;
-use steradian::image::{
-    Attribute, ChannelData, ExrImage, Layer, MapColors, OutputFormat, PngOptions, Precision,
-    sample_map, write_exr, write_png,
-};
+use steradian::image::{Attribute, MapColors, OutputFormat, PngOptions, sample_map, write_png};
 
 /// Writes the film's picture and what made it.
 pub(crate) fn write(picture: &Picture, outcome: &Outcome) -> Result<()> {
     let metadata = metadata(outcome);
-    match picture.format {
+    deliver(picture, |picture| match picture.format {
         OutputFormat::Png => {
-            let text = metadata.into_iter().map(|(name, value)| (name, as_text(value))).collect();
+            let text =
+                metadata.into_iter().map(|(name, value)| (name, value.to_string())).collect();
             let Picture { depth, exposure_ev, tone_curve, .. } = *picture;
             let options = PngOptions { depth, exposure_ev, tone_curve, text };
             write_png(&picture.path, &outcome.film.picture(), &options)
         }
-        OutputFormat::Exr => {
-            let film = outcome.film;
-            let resolution = outcome.job.settings.resolution;
-            let mut image = ExrImage::from_crop(&film.picture(), resolution, film.window());
-            image.layers.push(noise_layer(film));
-            image.metadata = metadata.into_iter().collect();
-            write_exr(&picture.path, &image, Precision::Float)
-        }
-    }
+        OutputFormat::Exr => exr_file::write(picture, outcome, metadata),
+    })
 }
 
 /// Writes the map of the samples taken.
@@ -42,21 +33,6 @@ pub(crate) fn write_sample_map(path: &Path, colors: MapColors, outcome: &Outcome
     let limit = outcome.job.requested_spp.unwrap_or(film.most_samples());
     let map = sample_map(film.sample_counts(), (width, height), limit, colors);
     write_png(path, &map, &PngOptions::default())
-}
-
-/// Sample counts, and where it is known the standard error of the luminance.
-fn noise_layer(film: &Film) -> Layer {
-    let mut channels = vec![("samples".into(), ChannelData::U32(film.sample_counts().to_vec()))];
-    if let Some(error) = film.standard_error() {
-        channels.push(("standard_error".into(), ChannelData::F32(error)));
-    }
-    if let Some(stops) = film.stops() {
-        let half_widths = stops.iter().map(|stop| stop.half_width).collect();
-        channels.push(("half_width".into(), ChannelData::F32(half_widths)));
-        let reasons = stops.iter().map(|stop| stop.reason as u32).collect();
-        channels.push(("stop_reason".into(), ChannelData::U32(reasons)));
-    }
-    Layer { name: "noise".into(), channels }
 }
 
 /// What the picture follows from. Nothing in it differs between two runs of the
@@ -75,6 +51,7 @@ pub(crate) fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
         ("version", text(env!("CARGO_PKG_VERSION"))),
         ("scene", text(&outcome.job.scene.name)),
         ("scene_hash", text(&format!("{:016x}", outcome.job.scene.content_hash(settings.camera)))),
+        ("settings_hash", text(&format!("{:016x}", settings.content_hash()))),
         ("device", text(outcome.device)),
         ("driver", text(outcome.driver)),
         ("spp", number(outcome.film.least_samples())),
@@ -105,13 +82,6 @@ pub(crate) fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
         all.push(("faults", text(&faults.to_string())));
     }
     all.into_iter().map(|(name, value)| (format!("steradian.{name}"), value)).collect()
-}
-
-pub(crate) fn as_text(value: Attribute) -> String {
-    match value {
-        Attribute::Text(text) => text,
-        Attribute::Number(number) => number.to_string(),
-    }
 }
 
 /// Prints the only pixel of the film. `position`: column and row in the whole picture.

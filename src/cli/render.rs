@@ -3,6 +3,7 @@
 use super::destination::Destinations;
 use super::flags::RenderFlags;
 use super::job::Job;
+use super::picture_layers::PictureLayers;
 use super::progress::{Progress, while_busy};
 use super::report::{self, Outcome};
 use super::signals::StopRequest;
@@ -46,6 +47,7 @@ fn run_on_device(call: &Call, job: &Job) -> Result<ExitCode> {
     let mut renderer = while_busy(verbosity, "building trees, compiling shaders", || {
         Renderer::new(device.clone(), &job.scene, &job.settings)
     })?;
+    let layers = PictureLayers::new(&call.flags.layers, job, renderer.prepared())?;
     let stop = StopRequest::listen()?;
     report::renderer(verbosity, renderer.statistics());
     let mut progress = Progress::start(verbosity);
@@ -61,6 +63,7 @@ fn run_on_device(call: &Call, job: &Job) -> Result<ExitCode> {
         driver: &info.driver,
         film: renderer.film(),
         statistics: renderer.statistics(),
+        layers: layers.as_ref(),
         stop_code: stop.exit_code(),
     })
 }
