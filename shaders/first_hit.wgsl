@@ -27,6 +27,10 @@ struct FirstHit {
     // Base colours, linear.
     albedo: vec3<f32>,
     ray_count: u32,
+    // World space, metres.
+    position: vec3<f32>,
+    // Distances along the camera's axis, metres.
+    axial_depth: f32,
     // Set 0.
     uv: vec2<f32>,
     // Of the centre's ray: the material, or INVALID; what its walk cost.
@@ -35,11 +39,18 @@ struct FirstHit {
     primitive_visits: u32,
     // Bit i: a ray met fault i.
     faults: u32,
-    padding_0: u32,
-    padding_1: u32,
+    // Of the centre's ray: the primitive's index in scene order, or INVALID, and `Hit.instance`.
+    source: u32,
+    instance: u32,
 }
 
 @group(0) @binding(1) var<storage, read_write> first_hits: array<FirstHit>;
+
+#if RAY_IDS
+// `frame.sample_limit` for each pixel: of every ray the primitive's index in scene order, or
+// INVALID, and `Hit.instance`.
+@group(0) @binding(14) var<storage, read_write> ray_ids: array<vec2<u32>>;
+#endif
 
 // The ray through a place of the picture, counted in pixels from its upper left corner.
 fn first_hit_ray(place: vec2<f32>, lens: vec2<f32>) -> Ray {
@@ -63,6 +74,8 @@ fn first_hit_add(sum: FirstHit, ray: Ray, hit: Hit) -> FirstHit {
     p.shading_normal += s.ns;
     p.geometric_normal += s.ng;
     p.depth += hit.t;
+    p.position += s.position;
+    p.axial_depth -= hit.t * dot(ray.direction, frame.camera.back);
     p.albedo += material_base(m, s);
     p.uv += s.uv.xy;
     return p;
@@ -73,8 +86,12 @@ fn first_hit_centre(sum: FirstHit, ray: Ray, is_active: bool) -> FirstHit {
     var p = sum;
     let hit = trace_closest(ray, is_active);
     p.material = INVALID;
+    p.source = INVALID;
+    p.instance = hit.instance;
     if hit.primitive != INVALID {
-        p.material = primitive_material(primitive_load(hit.primitive));
+        let met = primitive_load(hit.primitive);
+        p.material = primitive_material(met);
+        p.source = primitive_source(met);
     }
 #if VISIT_COUNTS
     p.node_visits = visit_nodes;
@@ -125,6 +142,14 @@ fn main(
         let hit = trace_closest(ray, is_active);
         if is_active {
             pixel = first_hit_add(pixel, ray, hit);
+#if RAY_IDS
+            var source = INVALID;
+            if hit.primitive != INVALID {
+                source = primitive_source(primitive_load(hit.primitive));
+            }
+            let slot = index * frame.sample_limit + frame.sample_first + i;
+            ray_ids[slot] = vec2<u32>(source, hit.instance);
+#endif
         }
     }
     if is_active {

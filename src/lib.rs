@@ -14,7 +14,7 @@
 //! WGSL for that. [`gpu`] turns all of it into buffers, [`passes`] run kernels, and
 //! [`film`] holds the sums. [`stopping`] has the rules by which pixels stop, and measures how
 //! well they keep their word. [`renderer::Renderer`] is the whole in steps; [`image`] writes
-//! pictures, and [`view`] makes such of other things than light. [`reference`](mod@reference) computes
+//! pictures, and [`view`] and [`layers`] make such of other things than light. [`reference`](mod@reference) computes
 //! the same in another way, for tests to compare with. [`statistics`] knows numbers only; the
 //! comparison of pictures, [`image::compare`], stands on it, and [`testing`] on that: image tests of
 //! any renderer. [`bench`] turns renders' errors and times into curves, tables and pages. Modules earlier in the drawing never use later ones, and `scene`, `bvh`, `shader`,
@@ -26,6 +26,7 @@ pub mod error;
 pub mod film;
 pub mod gpu;
 pub mod image;
+pub mod layers;
 pub mod layout;
 pub mod passes;
 pub mod reference;

@@ -14,7 +14,7 @@ use steradian::bvh::{
 };
 use steradian::gpu::{GpuFirstHit, SceneBuffers, TreeWidth};
 use steradian::image::{ChannelData, DisplayTransform};
-use steradian::passes::{FirstHits, Tuning};
+use steradian::passes::{Extras, FirstHits, Tuning};
 use steradian::reference::{self, Reference};
 use steradian::renderer::PreparedScene;
 use steradian::scene::{Camera, Projection, Scene};
@@ -28,7 +28,7 @@ fn hits(scene: &Scene, settings: &RenderSettings, rays: u32) -> Vec<GpuFirstHit>
     with_device(|device| {
         let tuning = Tuning::default();
         let prepared = PreparedScene::new(device.clone(), scene, settings).unwrap();
-        let mut hits = prepared.first_hits(scene, settings, false, &tuning).unwrap();
+        let mut hits = prepared.first_hits(scene, settings, Extras::default(), &tuning).unwrap();
         hits.run(&device, rays / 2).unwrap();
         hits.run(&device, rays - rays / 2).unwrap();
         assert!(hits.hits().iter().all(|h| h.ray_count == rays && h.faults == 0));
@@ -239,8 +239,10 @@ fn visits(scene: &Scene, settings: &RenderSettings) -> Vec<(u64, u64)> {
         let stack_size = buffers.world.stack_size.max(1);
         let frame = buffers.facts().frame(scene, settings);
         let tuning = Tuning::default();
+        let extras = Extras::visits(true);
         let mut hits =
-            FirstHits::new(&device, &uploaded, features, true, stack_size, frame, &tuning).unwrap();
+            FirstHits::new(&device, &uploaded, features, extras, stack_size, frame, &tuning)
+                .unwrap();
         hits.run(&device, 1).unwrap();
         let of = |h: &GpuFirstHit| (u64::from(h.node_visits), u64::from(h.primitive_visits));
         hits.hits().iter().map(of).collect()

@@ -7,6 +7,9 @@ use steradian::{Error, Result};
 
 use super::film_output;
 use super::flags::RenderFlags;
+use super::layer_flags::{ExrOptions, STANDARD_OUTPUT};
+use super::{picture_layers, values};
+use clap::Args;
 
 /// The picture to write.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +24,8 @@ pub(crate) struct Picture {
     pub(crate) exposure_ev: f32,
     /// For PNG.
     pub(crate) tone_curve: ToneCurve,
+    /// For EXR.
+    pub(crate) exr: ExrOptions,
 }
 
 /// All files of a render.
@@ -40,16 +45,17 @@ impl Destinations {
     /// Checks names, endings and folders.
     pub(crate) fn check(flags: &RenderFlags) -> Result<Self> {
         let film = flags.output.clone().filter(|path| film_output::is_film(path));
-        let shown = &flags.job.picture;
-        let is_shown = shown.bits.is_some() || shown.exposure.is_some() || shown.tone_map.is_some();
+        let png = &flags.job.picture.png;
         let picture = match flags.output.as_deref().filter(|_| film.is_none()) {
-            None if is_shown => return Err(not_for_png()),
+            None if png.are_given() => return Err(not_for_png()),
             None => None,
             Some(path) => {
-                let depth = bit_depth(shown.bits.as_deref());
-                Some(picture(path, depth, shown.exposure, shown.tone_map, is_shown)?)
+                let format = flags.layers.format_of(path, picture_layers::is_terminal())?;
+                Some(picture(path, format, png, flags.layers.exr())?)
             }
         };
+        let format = picture.as_ref().map(|p| p.format);
+        picture_layers::check(&flags.layers, format, film.is_some(), flags.job.sampling.reference)?;
         let sample_map = flags.sample_map.clone();
         if let Some(map) = &sample_map
             && OutputFormat::from_path(map)? != OutputFormat::Png
@@ -69,7 +75,9 @@ impl Destinations {
                 let message = format!("{}: {other} and {flag} name the same file", path.display());
                 return Err(Error::Settings(message));
             }
-            check_place(path)?;
+            if *flag != "--output" || path.as_os_str() != STANDARD_OUTPUT {
+                check_place(path)?;
+            }
         }
         Ok(Self { picture, film, stats: flags.stats.clone(), sample_map })
     }
@@ -81,28 +89,45 @@ fn not_for_png() -> Error {
     Error::Settings(message.into())
 }
 
-/// What `--bits` asks for.
-pub(crate) fn bit_depth(bits: Option<&str>) -> BitDepth {
-    match bits {
-        Some("16") => BitDepth::Sixteen,
-        _ => BitDepth::Eight,
+/// How the colours of a PNG are asked for.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct PngFlags {
+    /// Bits of a colour component of a PNG: 8 (default) or 16
+    #[arg(long, value_name = "8|16", value_parser = ["8", "16"])]
+    pub(crate) bits: Option<String>,
+
+    /// Exposure of a PNG in stops: radiance is multiplied by 2 to this power
+    #[arg(long, value_name = "EV", value_parser = values::finite, allow_negative_numbers = true)]
+    pub(crate) exposure: Option<f32>,
+
+    /// Tone curve of a PNG, after the exposure; none by default
+    #[arg(long, value_parser = values::one_of(values::TONE_CURVES))]
+    pub(crate) tone_map: Option<ToneCurve>,
+}
+
+impl PngFlags {
+    fn are_given(&self) -> bool {
+        self.bits.is_some() || self.exposure.is_some() || self.tone_map.is_some()
     }
 }
 
-/// The picture of that name; `is_shown`: whether anything is asked for that PNG alone has.
+/// The picture of that name and format.
 pub(crate) fn picture(
     path: &Path,
-    depth: BitDepth,
-    exposure: Option<f32>,
-    tone_curve: Option<ToneCurve>,
-    is_shown: bool,
+    format: OutputFormat,
+    png: &PngFlags,
+    exr: ExrOptions,
 ) -> Result<Picture> {
-    let format = OutputFormat::from_path(path)?;
-    if is_shown && format != OutputFormat::Png {
+    if png.are_given() && format != OutputFormat::Png {
         return Err(not_for_png());
     }
-    let (exposure_ev, tone_curve) = (exposure.unwrap_or(0.0), tone_curve.unwrap_or_default());
-    Ok(Picture { path: path.to_owned(), format, depth, exposure_ev, tone_curve })
+    let depth = match png.bits.as_deref() {
+        Some("16") => BitDepth::Sixteen,
+        _ => BitDepth::Eight,
+    };
+    let exposure_ev = png.exposure.unwrap_or(0.0);
+    let tone_curve = png.tone_map.unwrap_or_default();
+    Ok(Picture { path: path.to_owned(), format, depth, exposure_ev, tone_curve, exr })
 }
 
 /// That a file can be made at `path`: its folder is there and lets a file be

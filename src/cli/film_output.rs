@@ -1,15 +1,18 @@
 //! `.film` output: the sums of a part of a render, for `steradian merge`.
 
+use super::exr_file;
 use super::identity::Identity;
 use super::job::Job;
+use super::layer_flags::LAYERS;
 use super::output;
 use super::render::Call;
 use super::report::Outcome;
 use super::shard::Shard;
+use super::values::word_for;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use steradian::film::{Film, FilmFile, FilmHead, write_film_file};
-use steradian::image::Attribute;
+use steradian::image::{Attribute, ChannelData, Layer};
 use steradian::renderer::Counts;
 use steradian::settings::Crop;
 use steradian::{Error, RenderSettings, Result};
@@ -28,6 +31,12 @@ pub(super) struct PartHead {
     pub(super) counts: Counts,
     /// Of the picture, as this part alone would have it.
     pub(super) metadata: Vec<(String, Attribute)>,
+    /// Of an EXR beside it.
+    pub(super) exr_metadata: Vec<(String, Attribute)>,
+    /// Layers that were asked for: words of `--layers`.
+    pub(super) layers: Vec<String>,
+    /// Layers that camera rays tell of: name, channels, and whether they count.
+    pub(super) traced: Vec<(String, Vec<(String, bool)>)>,
     /// Samples per pixel that were asked for.
     pub(super) spp: u32,
 }
@@ -57,6 +66,13 @@ pub(super) fn check(call: &Call, job: &Job) -> Result<()> {
 /// Writes the film of a render, which may be a part.
 pub(super) fn write(path: &Path, call: &Call, outcome: &Outcome) -> Result<()> {
     let (job, film) = (outcome.job, outcome.film);
+    // Of parts of the samples, the first has the layers.
+    let has_layers = job.settings.samples().first == 0;
+    let traced = match outcome.layers.filter(|_| has_layers) {
+        Some(layers) => layers.tracer().trace(film.window())?,
+        None => Vec::new(),
+    };
+    let kinds = call.flags.layers.kinds();
     let region = call.flags.job.picture.region();
     let whole = RenderSettings { crop: region, ..job.settings.clone() };
     let head = PartHead {
@@ -68,9 +84,34 @@ pub(super) fn write(path: &Path, call: &Call, outcome: &Outcome) -> Result<()> {
         film: film.head(),
         counts: Counts::of(outcome.statistics),
         metadata: output::metadata(outcome),
+        exr_metadata: exr_file::metadata(outcome),
+        layers: kinds.iter().map(|kind| word_for(LAYERS, kind).to_owned()).collect(),
+        traced: traced.iter().map(shape).collect(),
         spp: job.settings.spp,
     };
-    write_film_file(path, &head, &film.sections())
+    let mut sections = film.sections();
+    for (layer, (name, channel)) in traced.iter().flat_map(channels) {
+        let bytes: &[u8] = match channel {
+            ChannelData::F32(values) => bytemuck::cast_slice(values),
+            ChannelData::U32(values) => bytemuck::cast_slice(values),
+        };
+        sections.push((section(&layer.name, name), bytes.into()));
+    }
+    write_film_file(path, &head, &sections)
+}
+
+fn channels(layer: &Layer) -> impl Iterator<Item = (&Layer, &(String, ChannelData))> {
+    layer.channels.iter().map(move |channel| (layer, channel))
+}
+
+fn shape(layer: &Layer) -> (String, Vec<(String, bool)>) {
+    let channel =
+        |(name, data): &(String, ChannelData)| (name.clone(), matches!(data, ChannelData::U32(_)));
+    (layer.name.clone(), layer.channels.iter().map(channel).collect())
+}
+
+fn section(layer: &str, channel: &str) -> String {
+    format!("layer {layer} {channel}")
 }
 
 /// Reads a part.
@@ -84,5 +125,22 @@ impl PartHead {
     /// Its film.
     pub(super) fn film(&self, file: &FilmFile) -> Result<Film> {
         Film::read(file, &self.film)
+    }
+
+    /// Its layers that camera rays tell of.
+    pub(super) fn traced(&self, file: &FilmFile) -> Result<Vec<Layer>> {
+        let read = |(layer, channels): &(String, Vec<(String, bool)>)| {
+            let channel = |(name, counts): &(String, bool)| {
+                let section = section(layer, name);
+                let data = match counts {
+                    true => ChannelData::U32(file.whole_section(&section)?),
+                    false => ChannelData::F32(file.whole_section(&section)?),
+                };
+                Ok((name.clone(), data))
+            };
+            let channels = channels.iter().map(channel).collect::<Result<_>>()?;
+            Ok(Layer { name: layer.clone(), channels })
+        };
+        self.traced.iter().map(read).collect()
     }
 }

@@ -1,6 +1,8 @@
 //! The flags as they are spelt. [`super::job`] gives them their meaning.
 
 use super::checkpoint::FarmFlags;
+use super::destination::PngFlags;
+use super::layer_flags::LayerFlags;
 use super::scene_flags::SceneFlags;
 use super::stopping::{MAP_COLORS, StoppingFlags};
 use super::talk::Verbosity;
@@ -8,7 +10,7 @@ use super::values;
 use clap::Args;
 use glam::Vec3;
 use std::path::PathBuf;
-use steradian::image::{MapColors, ToneCurve};
+use steradian::image::MapColors;
 use steradian::settings::{Accel, Crop, LightSelection, Sampler, Strategy};
 use steradian::view::View;
 
@@ -20,7 +22,8 @@ pub(crate) struct RenderFlags {
     /// The scene: a .gltf or .glb file
     pub(crate) scene: PathBuf,
 
-    /// The picture: .png (what a display shows) or .exr (linear radiance, 32-bit floats)
+    /// The picture: .png (what a display shows) or .exr (linear radiance, 32-bit floats); - is
+    /// standard output
     #[arg(short, long, value_name = "FILE", required_unless_present = "pixel")]
     pub(crate) output: Option<PathBuf>,
 
@@ -51,6 +54,9 @@ pub(crate) struct RenderFlags {
     /// Its colours
     #[arg(long, requires = "sample_map", value_parser = values::one_of(MAP_COLORS), default_value = "viridis")]
     pub(crate) sample_map_colors: MapColors,
+
+    #[command(flatten)]
+    pub(crate) layers: LayerFlags,
 
     #[command(flatten)]
     pub(crate) job: JobFlags,
@@ -128,23 +134,14 @@ pub(crate) struct PictureFlags {
     #[arg(long, value_name = "x,y", value_parser = values::pixel)]
     pub(crate) pixel: Option<Crop>,
 
-    /// Bits of a colour component of a PNG: 8 (default) or 16
-    #[arg(long, value_name = "8|16", value_parser = ["8", "16"])]
-    pub(crate) bits: Option<String>,
-
-    /// Exposure of a PNG in stops: radiance is multiplied by 2 to this power
-    #[arg(long, value_name = "EV", value_parser = values::finite, allow_negative_numbers = true)]
-    pub(crate) exposure: Option<f32>,
-
     /// Show this instead of light, in false colours (PNG) or as numbers (EXR)
     #[arg(long, value_parser = values::one_of(values::VIEWS), conflicts_with_all = [
         "pixel", "exposure", "tone_map",
     ])]
     pub(crate) view: Option<View>,
 
-    /// Tone curve of a PNG, after the exposure; none by default
-    #[arg(long, value_parser = values::one_of(values::TONE_CURVES))]
-    pub(crate) tone_map: Option<ToneCurve>,
+    #[command(flatten)]
+    pub(crate) png: PngFlags,
 }
 
 impl PictureFlags {

@@ -1,15 +1,18 @@
 //! `steradian merge`: the parts of a render, joined to the bits of the whole.
 
-use super::destination::{self, Picture};
+use super::destination::{self, Picture, PngFlags};
 use super::film_output::{self, PartHead};
-use super::output;
+use super::layer_flags::{ExrOptions, LAYERS, PRECISIONS};
+use super::output::{self, Developed};
 use super::talk;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use steradian::film::{Film, FilmFile};
-use steradian::image::{Attribute, ToneCurve};
+use steradian::image::{Attribute, ChannelData, Layer, OutputFormat, Precision};
+use steradian::layers::LayerKind;
 use steradian::renderer::Counts;
+use steradian::settings::Crop;
 use steradian::{Error, Result};
 
 /// Flags of `merge`.
@@ -27,17 +30,12 @@ pub(crate) struct MergeFlags {
     #[arg(long)]
     allow_mixed_devices: bool,
 
-    /// Bits of a colour component of a PNG: 8 (default) or 16
-    #[arg(long, value_name = "8|16", value_parser = ["8", "16"])]
-    bits: Option<String>,
+    #[command(flatten)]
+    png: PngFlags,
 
-    /// Exposure of a PNG in stops
-    #[arg(long, value_name = "EV", value_parser = super::values::finite, allow_negative_numbers = true)]
-    exposure: Option<f32>,
-
-    /// Tone curve of a PNG, after the exposure; none by default
-    #[arg(long, value_parser = super::values::one_of(super::values::TONE_CURVES))]
-    tone_map: Option<ToneCurve>,
+    /// Bits of the picture's R, G and B in an EXR; all layers have 32
+    #[arg(long, value_parser = super::values::one_of(PRECISIONS))]
+    exr_precision: Option<Precision>,
 
     /// Say nothing but errors and warnings
     #[arg(short, long)]
@@ -52,7 +50,6 @@ struct Part {
 
 /// Joins and writes.
 pub(crate) fn run(flags: &MergeFlags) -> Result<ExitCode> {
-    let picture = picture(flags)?;
     let mut parts = Vec::new();
     for path in &flags.parts {
         let (head, file) = film_output::read(path)?;
@@ -62,8 +59,19 @@ pub(crate) fn run(flags: &MergeFlags) -> Result<ExitCode> {
     check(&parts, flags.allow_mixed_devices)?;
     let (film, counts) = join(&parts)?;
     let head = &parts[0].head;
-    let metadata = metadata(&parts, &film, &counts);
-    output::write_film(&picture, &film, head.resolution, metadata)?;
+    let kinds = LAYERS.iter().filter(|word| head.layers.iter().any(|name| name == word.0));
+    let kinds: Vec<_> = kinds.map(|word| word.1).collect();
+    let picture = picture(flags, &kinds)?;
+    let traced = Traced::of(&parts)?;
+    let developed = Developed {
+        film: &film,
+        resolution: head.resolution,
+        metadata: metadata(&parts, &head.metadata, &film, &counts),
+        exr_metadata: metadata(&parts, &head.exr_metadata, &film, &Counts::default()),
+        render_seconds: counts.render_seconds,
+        traced: &|band| Ok(traced.rows(band)),
+    };
+    developed.write(&picture)?;
     if !flags.quiet {
         let (count, path) = (parts.len(), picture.path.display());
         let parts = if count == 1 { "part" } else { "parts" };
@@ -76,11 +84,12 @@ pub(crate) fn run(flags: &MergeFlags) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn picture(flags: &MergeFlags) -> Result<Picture> {
+fn picture(flags: &MergeFlags, kinds: &[LayerKind]) -> Result<Picture> {
     destination::check_place(&flags.output)?;
-    let depth = destination::bit_depth(flags.bits.as_deref());
-    let is_shown = flags.bits.is_some() || flags.exposure.is_some() || flags.tone_map.is_some();
-    destination::picture(&flags.output, depth, flags.exposure, flags.tone_map, is_shown)
+    let format = OutputFormat::from_path(&flags.output)?;
+    let precision = flags.exr_precision.unwrap_or_default();
+    let exr = ExrOptions { layers: kinds.to_vec(), precision, times: false };
+    destination::picture(&flags.output, format, &flags.png, exr)
 }
 
 /// That they are all the parts of one render, each once and whole.
@@ -151,9 +160,66 @@ fn join(parts: &[Part]) -> Result<(Film, Counts)> {
     Ok((film, counts))
 }
 
+/// Layers of the parts, each of some rows.
+struct Traced {
+    parts: Vec<(Crop, Vec<Layer>)>,
+}
+
+impl Traced {
+    fn of(parts: &[Part]) -> Result<Self> {
+        let with_layers = parts.iter().filter(|part| !part.head.traced.is_empty());
+        let read = |part: &Part| Ok((part.head.film.window, part.head.traced(&part.file)?));
+        Ok(Self { parts: with_layers.map(read).collect::<Result<_>>()? })
+    }
+
+    /// The layers of the rows of a band, which has the width of the parts.
+    fn rows(&self, band: Crop) -> Vec<Layer> {
+        let mut layers: Vec<Layer> = Vec::new();
+        for (window, part) in &self.parts {
+            let first = band.y.max(window.y);
+            let end = (band.y + band.height).min(window.y + window.height);
+            if first >= end {
+                continue;
+            }
+            let at = |y: u32| ((y - window.y) * window.width) as usize;
+            let rows = at(first)..at(end);
+            let cut = |data: &ChannelData| match data {
+                ChannelData::F32(values) => ChannelData::F32(values[rows.clone()].to_vec()),
+                ChannelData::U32(values) => ChannelData::U32(values[rows.clone()].to_vec()),
+            };
+            for (i, layer) in part.iter().enumerate() {
+                let channels = layer.channels.iter().map(|(name, data)| (name.clone(), cut(data)));
+                let next = Layer { name: layer.name.clone(), channels: channels.collect() };
+                match layers.get_mut(i) {
+                    Some(layer) => extend(layer, next),
+                    None => layers.push(next),
+                }
+            }
+        }
+        layers
+    }
+}
+
+/// Adds the rows that follow.
+fn extend(layer: &mut Layer, next: Layer) {
+    for ((_, data), (_, more)) in layer.channels.iter_mut().zip(next.channels) {
+        match (data, more) {
+            (ChannelData::F32(data), ChannelData::F32(more)) => data.extend(more),
+            (ChannelData::U32(data), ChannelData::U32(more)) => data.extend(more),
+            // The parts were asked for the same layers.
+            _ => {}
+        }
+    }
+}
+
 /// What the whole render would have said of itself.
-fn metadata(parts: &[Part], film: &Film, counts: &Counts) -> Vec<(String, Attribute)> {
-    let mut entries = parts[0].head.metadata.clone();
+fn metadata(
+    parts: &[Part],
+    entries: &[(String, Attribute)],
+    film: &Film,
+    counts: &Counts,
+) -> Vec<(String, Attribute)> {
+    let mut entries = entries.to_vec();
     output::set_result(&mut entries, film, counts.faults.iter().sum());
     let mut devices: Vec<_> =
         parts.iter().map(|p| (p.head.part.device.clone(), p.head.part.driver.clone())).collect();

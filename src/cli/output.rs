@@ -1,44 +1,69 @@
 //! The picture in a file, or one pixel as text.
 
 use super::destination::Picture;
+use super::picture_layers::deliver;
 use super::report::Outcome;
 use super::talk;
 use super::values::{ACCELS, LIGHT_SELECTIONS, SAMPLERS, STRATEGIES, word_for};
-use super::{reference, stopping};
+use super::{exr_file, reference, stopping};
 use std::fmt::Write;
 use std::path::Path;
 use steradian::Result;
 use steradian::film::Film;
 use steradian::image::{
-    Attribute, ChannelData, ExrImage, Layer, MapColors, OutputFormat, PngOptions, Precision,
-    sample_map, write_exr, write_png,
+    Attribute, Layer, MapColors, OutputFormat, PngOptions, sample_map, write_png,
 };
+use steradian::settings::Crop;
 
 /// Writes the film's picture and what made it.
 pub(crate) fn write(picture: &Picture, outcome: &Outcome) -> Result<()> {
-    write_film(picture, outcome.film, outcome.job.settings.resolution, metadata(outcome))
+    let traced = |band| match outcome.layers {
+        Some(layers) => layers.tracer().trace(band),
+        None => Ok(Vec::new()),
+    };
+    let developed = Developed {
+        film: outcome.film,
+        resolution: outcome.job.settings.resolution,
+        metadata: metadata(outcome),
+        exr_metadata: exr_file::metadata(outcome),
+        render_seconds: outcome.statistics.render_seconds,
+        traced: &traced,
+    };
+    developed.write(picture)?;
+    let faulty = outcome.layers.map_or(0, |layers| layers.tracer().faulty_pixels());
+    if faulty > 0 {
+        talk::line(&format!("warning: layers: the walk failed for rays of {faulty} pixels"));
+    }
+    Ok(())
 }
 
-/// Writes a film's picture, which is all or a part of one of size `resolution`.
-pub(crate) fn write_film(
-    picture: &Picture,
-    film: &Film,
-    resolution: (u32, u32),
-    metadata: Vec<(String, Attribute)>,
-) -> Result<()> {
-    match picture.format {
-        OutputFormat::Png => {
-            let text = metadata.into_iter().map(|(name, value)| (name, as_text(value))).collect();
-            let Picture { depth, exposure_ev, tone_curve, .. } = *picture;
-            let options = PngOptions { depth, exposure_ev, tone_curve, text };
-            write_png(&picture.path, &film.picture(), &options)
-        }
-        OutputFormat::Exr => {
-            let mut image = ExrImage::from_crop(&film.picture(), resolution, film.window());
-            image.layers.push(noise_layer(film));
-            image.metadata = metadata.into_iter().collect();
-            write_exr(&picture.path, &image, Precision::Float)
-        }
+/// A film with all that its file says.
+pub(super) struct Developed<'a> {
+    pub(super) film: &'a Film,
+    /// Of the whole picture.
+    pub(super) resolution: (u32, u32),
+    /// For files of any format.
+    pub(super) metadata: Vec<(String, Attribute)>,
+    /// For an EXR beside it.
+    pub(super) exr_metadata: Vec<(String, Attribute)>,
+    pub(super) render_seconds: f64,
+    /// Layers of a band of the picture that camera rays tell of.
+    pub(super) traced: &'a dyn Fn(Crop) -> Result<Vec<Layer>>,
+}
+
+impl Developed<'_> {
+    /// Writes the picture.
+    pub(super) fn write(&self, picture: &Picture) -> Result<()> {
+        deliver(picture, |picture| match picture.format {
+            OutputFormat::Png => {
+                let entry = |(name, value): &(String, Attribute)| (name.clone(), value.to_string());
+                let text = self.metadata.iter().map(entry).collect();
+                let Picture { depth, exposure_ev, tone_curve, .. } = *picture;
+                let options = PngOptions { depth, exposure_ev, tone_curve, text };
+                write_png(&picture.path, &self.film.picture(), &options)
+            }
+            OutputFormat::Exr => exr_file::write(picture, self),
+        })
     }
 }
 
@@ -49,21 +74,6 @@ pub(crate) fn write_sample_map(path: &Path, colors: MapColors, outcome: &Outcome
     let limit = outcome.job.requested_spp.unwrap_or(film.most_samples());
     let map = sample_map(film.sample_counts(), (width, height), limit, colors);
     write_png(path, &map, &PngOptions::default())
-}
-
-/// Sample counts, and where it is known the standard error of the luminance.
-fn noise_layer(film: &Film) -> Layer {
-    let mut channels = vec![("samples".into(), ChannelData::U32(film.sample_counts().to_vec()))];
-    if let Some(error) = film.standard_error() {
-        channels.push(("standard_error".into(), ChannelData::F32(error)));
-    }
-    if let Some(stops) = film.stops() {
-        let half_widths = stops.iter().map(|stop| stop.half_width).collect();
-        channels.push(("half_width".into(), ChannelData::F32(half_widths)));
-        let reasons = stops.iter().map(|stop| stop.reason as u32).collect();
-        channels.push(("stop_reason".into(), ChannelData::U32(reasons)));
-    }
-    Layer { name: "noise".into(), channels }
 }
 
 /// What the picture follows from. Nothing in it differs between two runs of the
@@ -82,6 +92,7 @@ pub(crate) fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
         ("version", text(env!("CARGO_PKG_VERSION"))),
         ("scene", text(&outcome.job.scene.name)),
         ("scene_hash", text(&format!("{:016x}", outcome.job.scene.content_hash(settings.camera)))),
+        ("settings_hash", text(&format!("{:016x}", settings.content_hash()))),
         ("device", text(outcome.device)),
         ("driver", text(outcome.driver)),
         ("spp", number(outcome.film.least_samples())),
@@ -114,20 +125,18 @@ pub(crate) fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
 
 /// Corrects the entries that the samples decide.
 pub(crate) fn set_result(entries: &mut Vec<(String, Attribute)>, film: &Film, faults: u64) {
-    for (_, value) in entries.iter_mut().filter(|(name, _)| name == "steradian.spp") {
-        *value = Attribute::Number(film.least_samples().into());
+    let samples = film.least_samples();
+    for (name, value) in entries.iter_mut() {
+        match name.as_str() {
+            "steradian.spp" => *value = Attribute::Number(samples.into()),
+            "samplesPerPixel" => *value = Attribute::Integer(samples.min(i32::MAX as u32) as i32),
+            _ => {}
+        }
     }
     entries.retain(|(name, _)| name != "steradian.faults");
     // Only a picture that has some is marked.
     if faults > 0 {
         entries.push(("steradian.faults".into(), Attribute::Text(faults.to_string())));
-    }
-}
-
-pub(crate) fn as_text(value: Attribute) -> String {
-    match value {
-        Attribute::Text(text) => text,
-        Attribute::Number(number) => number.to_string(),
     }
 }
 

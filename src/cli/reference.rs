@@ -52,6 +52,7 @@ pub(super) fn run(call: &Call, job: &Job) -> Result<ExitCode> {
         driver: "",
         film: &film,
         statistics: &statistics,
+        layers: None,
         stop_code: stop.exit_code(),
         is_snapshot: false,
     })

@@ -2,6 +2,7 @@
 
 use super::destination::Destinations;
 use super::job::Job;
+use super::picture_layers::PictureLayers;
 use super::stopping;
 use super::talk::{self, Verbosity, with_prefix};
 use std::time::Duration;
@@ -20,6 +21,8 @@ pub(crate) struct Outcome<'a> {
     pub(crate) driver: &'a str,
     pub(crate) film: &'a Film,
     pub(crate) statistics: &'a RenderStatistics,
+    /// What is traced for the picture's file.
+    pub(crate) layers: Option<&'a PictureLayers>,
     /// The exit code of the signal that stopped it, if one did.
     pub(crate) stop_code: Option<u8>,
     /// Whether the render goes on.

@@ -3,6 +3,7 @@
 use super::checkpoint::Checkpoint;
 use super::drill::Drill;
 use super::job::Job;
+use super::picture_layers::PictureLayers;
 use super::progress::while_busy;
 use super::render::Call;
 use super::report::{self, Outcome};
@@ -24,26 +25,28 @@ pub(super) struct Session<'a> {
     job: &'a Job,
     pub(super) device: Arc<Device>,
     pub(super) renderer: Renderer,
+    layers: Option<PictureLayers>,
     drill: Drill,
     has_lost_device: bool,
 }
 
-fn build(call: &Call, job: &Job) -> Result<(Arc<Device>, Renderer)> {
+fn build(call: &Call, job: &Job) -> Result<(Arc<Device>, Renderer, Option<PictureLayers>)> {
     let device = Arc::new(Device::open(call.flags.device.as_deref())?);
     let info = device.info();
     report::job(call.verbosity, job, &format!("{} {} ({})", info.index, info.name, info.driver));
     let renderer = while_busy(call.verbosity, "building trees, compiling shaders", || {
         Renderer::new(device.clone(), &job.scene, &job.settings)
     })?;
-    Ok((device, renderer))
+    let layers = PictureLayers::new(&call.flags.layers, job, renderer.prepared())?;
+    Ok((device, renderer, layers))
 }
 
 impl<'a> Session<'a> {
     /// Opens the device and builds.
     pub(super) fn open(call: &'a Call<'a>, job: &'a Job) -> Result<Self> {
         let drill = Drill::from_environment()?;
-        let (device, renderer) = build(call, job)?;
-        Ok(Self { call, job, device, renderer, drill, has_lost_device: false })
+        let (device, renderer, layers) = build(call, job)?;
+        Ok(Self { call, job, device, renderer, layers, drill, has_lost_device: false })
     }
 
     /// One step of the render. A device that is lost is opened again, once.
@@ -61,9 +64,9 @@ impl<'a> Session<'a> {
         }
         self.has_lost_device = true;
         talk::line(&format!("warning: {message}; opening the device again"));
-        let (device, renderer) = build(self.call, self.job)?;
+        let (device, renderer, layers) = build(self.call, self.job)?;
         let lost = std::mem::replace(&mut self.renderer, renderer);
-        self.device = device;
+        (self.device, self.layers) = (device, layers);
         let is_taken_over = self.renderer.take_over(lost)?;
         match checkpoint {
             Some(checkpoint) if !is_taken_over && checkpoint.is_on_disk() => {
@@ -108,6 +111,7 @@ impl<'a> Session<'a> {
             driver: &info.driver,
             film: self.renderer.film(),
             statistics: self.renderer.statistics(),
+            layers: self.layers.as_ref(),
             is_snapshot: false,
             stop_code,
         }

@@ -3,7 +3,8 @@
 use super::destination::Picture;
 use super::flags::RenderFlags;
 use super::job::Job;
-use super::output::{as_text, metadata};
+use super::output::metadata;
+use super::picture_layers::deliver;
 use super::progress::while_busy;
 use super::render::Call;
 use super::report::{self, Outcome};
@@ -15,7 +16,7 @@ use steradian::gpu::{Device, DeviceInfo};
 use steradian::image::{
     Attribute, ExrImage, OutputFormat, PngOptions, Precision, write_exr, write_png,
 };
-use steradian::passes::Tuning;
+use steradian::passes::{Extras, Tuning};
 use steradian::renderer::PreparedScene;
 use steradian::settings::Crop;
 use steradian::view::{Source, View, ViewPicture, of_film, of_first_hits};
@@ -58,8 +59,8 @@ pub(super) fn run(call: &Call, job: &Job, view: View) -> Result<ExitCode> {
     let tuning = Tuning::default();
     let hits = while_busy(verbosity, "building trees, tracing camera rays", || {
         let prepared = PreparedScene::new(device.clone(), &job.scene, &job.settings)?;
-        let counts_visits = view == View::NodeVisits;
-        let mut hits = prepared.first_hits(&job.scene, &job.settings, counts_visits, &tuning)?;
+        let extras = Extras::visits(view == View::NodeVisits);
+        let mut hits = prepared.first_hits(&job.scene, &job.settings, extras, &tuning)?;
         hits.run(&device, rays)?;
         Ok(hits)
     })?;
@@ -122,9 +123,10 @@ pub(crate) fn write(
         |name: &str, value: &str| (format!("steradian.{name}"), Attribute::Text(value.into()));
     metadata.push(entry("view", word_for(VIEWS, &view)));
     metadata.push(entry("legend", &shown.legend));
-    match picture.format {
+    deliver(picture, |picture| match picture.format {
         OutputFormat::Png => {
-            let text = metadata.into_iter().map(|(name, value)| (name, as_text(value))).collect();
+            let text =
+                metadata.into_iter().map(|(name, value)| (name, value.to_string())).collect();
             let options = PngOptions { depth: picture.depth, text, ..PngOptions::default() };
             write_png(&picture.path, &shown.picture, &options)
         }
@@ -134,5 +136,5 @@ pub(crate) fn write(
             image.metadata = metadata.into_iter().collect();
             write_exr(&picture.path, &image, Precision::Float)
         }
-    }
+    })
 }

@@ -85,13 +85,15 @@ gpu_struct! {
         hit_count: u32,
         albedo: [f32; 3],
         ray_count: u32,
+        position: [f32; 3],
+        axial_depth: f32,
         uv: [f32; 2],
         material: u32,
         node_visits: u32,
         primitive_visits: u32,
         faults: u32,
-        padding_0: u32,
-        padding_1: u32,
+        source: u32,
+        instance: u32,
     }
 }
 

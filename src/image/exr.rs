@@ -4,18 +4,20 @@
 //! that every reader knows. Compression is ZIP, which keeps every bit. Equal
 //! images give equal files, byte by byte.
 
-use super::{Picture, invalid_data, write_atomically};
+mod write;
+
+pub use write::{ExrHeader, write_exr, write_exr_bands};
+
+use super::{Picture, invalid_data};
 use crate::settings::Crop;
 use crate::{Error, Result};
 use ::exr::meta::attribute::Chromaticities;
-use ::exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, IntegerBounds,
-    LayerAttributes, ReadChannels, ReadLayers, Text, Vec2, WritableImage, f16,
-};
+use ::exr::prelude::{AttributeValue, FlatSamples, ReadChannels, ReadLayers, Text, Vec2};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::fmt;
 use std::fs::File;
-use std::io::{BufReader, Cursor, Write};
+use std::io::BufReader;
 use std::path::Path;
 
 /// The contents of an EXR file.
@@ -57,7 +59,30 @@ pub enum Attribute {
     Text(String),
     /// Any number; integers are exact up to 2^53.
     Number(f64),
+    /// Where programs want this type.
+    Integer(i32),
+    /// Where programs want this type.
+    Single(f32),
+    /// Row by row, for points that are rows: the translation is in the last four.
+    Matrix([f32; 16]),
 }
+
+impl fmt::Display for Attribute {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Text(text) => f.write_str(text),
+            Self::Number(number) => number.fmt(f),
+            Self::Integer(number) => number.fmt(f),
+            Self::Single(number) => number.fmt(f),
+            Self::Matrix(values) => f.write_str(&values.map(|v| v.to_string()).join(" ")),
+        }
+    }
+}
+
+/// Names of the standard matrices that [`ExrImage::metadata`] may have.
+const WORLD_TO_CAMERA: &str = "worldToCamera";
+/// See [`WORLD_TO_CAMERA`].
+const WORLD_TO_NDC: &str = "worldToNDC";
 
 /// How the main layer's R, G and B are stored. All else keeps 32 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -120,130 +145,10 @@ impl ExrImage {
         let rgb = r.iter().zip(g).zip(b).map(|((&r, &g), &b)| [r, g, b]).collect();
         Some(Picture::new(self.window.width, self.window.height, rgb))
     }
-
-    fn check(&self, path: &Path) -> Result<()> {
-        let ((width, height), window) = (self.resolution, self.window);
-        let end = |start: u32, length: u32| u64::from(start) + u64::from(length);
-        if window.width == 0
-            || window.height == 0
-            || end(window.x, window.width) > u64::from(width)
-            || end(window.y, window.height) > u64::from(height)
-        {
-            let message = format!("the window {window:?} does not lie in {width}x{height} pixels");
-            return Err(invalid_data(path, message));
-        }
-        let pixels = window.width as usize * window.height as usize;
-        for layer in &self.layers {
-            for (name, data) in &layer.channels {
-                if data.len() != pixels {
-                    let message = format!(
-                        "channel {} has {} values for {pixels} pixels",
-                        full_name(&layer.name, name),
-                        data.len()
-                    );
-                    return Err(invalid_data(path, message));
-                }
-            }
-        }
-        Ok(())
-    }
 }
 
 fn full_name(layer: &str, channel: &str) -> String {
     if layer.is_empty() { channel.to_owned() } else { format!("{layer}.{channel}") }
-}
-
-/// Writes `image`. Fails without writing if a channel has not one value per
-/// pixel, if a name is reserved or used twice, or if a value is too large for
-/// the precision that was asked for.
-pub fn write_exr(path: &Path, image: &ExrImage, precision: Precision) -> Result<()> {
-    image.check(path)?;
-    let mut channels = Vec::new();
-    for layer in &image.layers {
-        for (name, data) in &layer.channels {
-            let is_color = layer.name.is_empty() && matches!(name.as_str(), "R" | "G" | "B");
-            let samples = match data {
-                ChannelData::U32(values) => FlatSamples::U32(values.clone()),
-                ChannelData::F32(values) if is_color && precision == Precision::Half => {
-                    FlatSamples::F16(half_values(path, name, values)?)
-                }
-                ChannelData::F32(values) => FlatSamples::F32(values.clone()),
-            };
-            channels.push(AnyChannel::new(text(&full_name(&layer.name, name)), samples));
-        }
-    }
-    let size = |width: u32, height: u32| Vec2(width as usize, height as usize);
-    let window = image.window;
-    let mut attributes = LayerAttributes {
-        layer_position: Vec2(window.x as i32, window.y as i32),
-        software_name: Some(text(concat!("Steradian ", env!("CARGO_PKG_VERSION")))),
-        ..LayerAttributes::default()
-    };
-    for (name, value) in &image.metadata {
-        let value = match value {
-            Attribute::Text(value) => AttributeValue::Text(text(value)),
-            Attribute::Number(value) => AttributeValue::F64(*value),
-        };
-        attributes.other.insert(text(name), value);
-    }
-    let layer = ::exr::prelude::Layer::new(
-        size(window.width, window.height),
-        attributes,
-        Encoding::SMALL_LOSSLESS,
-        AnyChannels::sort(channels.into()),
-    );
-    let mut file = Image::from_layer(layer);
-    file.attributes.display_window =
-        IntegerBounds::new((0, 0), size(image.resolution.0, image.resolution.1));
-    file.attributes.chromaticities = Some(REC_709);
-
-    let mut bytes = Cursor::new(Vec::new());
-    file.write().to_buffered(&mut bytes).map_err(|e| exr_error(path, e))?;
-    let mut bytes = bytes.into_inner();
-    sort_attributes(&mut bytes);
-    write_atomically(path, |file| file.write_all(&bytes).map_err(|e| Error::io(path, e)))
-}
-
-/// Strings of the format are bytes; we store UTF-8.
-fn text(value: &str) -> Text {
-    Text::from_slice_unchecked(value.as_bytes())
-}
-
-fn half_values(path: &Path, name: &str, values: &[f32]) -> Result<Vec<f16>> {
-    let mut halves = Vec::with_capacity(values.len());
-    for &value in values {
-        let half = f16::from_f32(value);
-        if value.is_finite() && !half.is_finite() {
-            let message = format!(
-                "channel {name} holds {value}, more than a 16-bit float can; store 32-bit floats"
-            );
-            return Err(invalid_data(path, message));
-        }
-        halves.push(half);
-    }
-    Ok(halves)
-}
-
-/// Puts the attributes of a one-part file's header into the order of their
-/// names. The library writes them in the order of a hash map, which differs
-/// from run to run. The header keeps its length, so offsets stay right.
-fn sort_attributes(file: &mut [u8]) {
-    /// Magic number and version (OpenEXR file layout).
-    const HEADER_START: usize = 8;
-    let mut attributes = Vec::new();
-    let mut at = HEADER_START;
-    // name 0 type 0 size:i32 value; an empty name ends the header.
-    while file[at] != 0 {
-        let string_end =
-            |from: usize| from + file[from..].iter().position(|&b| b == 0).unwrap() + 1;
-        let size_at = string_end(string_end(at));
-        let size = i32::from_le_bytes(file[size_at..size_at + 4].try_into().unwrap());
-        let end = size_at + 4 + size as usize;
-        attributes.push(file[at..end].to_vec());
-        at = end;
-    }
-    attributes.sort();
-    file[HEADER_START..at].copy_from_slice(&attributes.concat());
 }
 
 /// Reads every channel of every part. 16-bit floats are widened exactly.
@@ -296,6 +201,12 @@ pub fn read_exr(path: &Path) -> Result<ExrImage> {
             layers.entry(layer.to_owned()).or_default().push((name.to_owned(), data));
         }
         metadata.extend(part.attributes.other.iter().filter_map(attribute));
+        let matrices = [
+            (WORLD_TO_CAMERA, part.attributes.world_to_camera),
+            (WORLD_TO_NDC, part.attributes.world_to_normalized_device),
+        ];
+        let matrices = matrices.into_iter().filter_map(|(name, m)| Some((name.to_owned(), m?)));
+        metadata.extend(matrices.map(|(name, m)| (name, Attribute::Matrix(m))));
     }
     metadata.extend(image.attributes.other.iter().filter_map(attribute));
     Ok(ExrImage {
@@ -311,8 +222,9 @@ fn attribute((name, value): (&Text, &AttributeValue)) -> Option<(String, Attribu
     let value = match value {
         AttributeValue::Text(value) => Attribute::Text(string(value)),
         AttributeValue::F64(value) => Attribute::Number(*value),
-        AttributeValue::F32(value) => Attribute::Number(f64::from(*value)),
-        AttributeValue::I32(value) => Attribute::Number(f64::from(*value)),
+        AttributeValue::F32(value) => Attribute::Single(*value),
+        AttributeValue::I32(value) => Attribute::Integer(*value),
+        AttributeValue::Matrix4x4(value) => Attribute::Matrix(*value),
         _ => return None,
     };
     Some((string(name), value))

@@ -10,7 +10,10 @@ mod srgb;
 mod tone;
 
 pub use self::display::DisplayTransform;
-pub use self::exr::{Attribute, ChannelData, ExrImage, Layer, Precision, read_exr, write_exr};
+pub use self::exr::{
+    Attribute, ChannelData, ExrHeader, ExrImage, Layer, Precision, read_exr, write_exr,
+    write_exr_bands,
+};
 pub use self::png::{BitDepth, PngOptions, read_png, write_png};
 pub use self::sample_map::{MapColors, sample_map};
 pub use self::srgb::{linear_from_srgb, srgb_from_linear};

@@ -4,7 +4,7 @@ use super::{PathTrace, Tuning};
 use crate::Result;
 use crate::gpu::{Device, GpuFirstHit, GpuFrame, GpuScene, Kernel, Readback};
 use crate::settings::Crop;
-use crate::shader::generated::TILE_PIXELS;
+use crate::shader::generated::{INVALID, TILE_PIXELS};
 use crate::shader::{Feature, Features, generated};
 use bytemuck::Zeroable;
 
@@ -20,12 +20,42 @@ pub struct FirstHits {
     frame_buffer: wgpu::Buffer,
     hits_buffer: wgpu::Buffer,
     readback: Readback,
+    ids: Option<RayIds>,
     frame: GpuFrame,
     workgroup_size: u32,
     /// Tiles that the buffer holds.
     region_tiles: u32,
     sample_count: u32,
     hits: Vec<GpuFirstHit>,
+}
+
+/// What the rays of a pixel met, one by one.
+struct RayIds {
+    buffer: wgpu::Buffer,
+    readback: Readback,
+    /// Rays of a pixel.
+    rays: u32,
+    ids: Vec<RayId>,
+}
+
+/// What a ray met: the primitive's index in scene order, or [`generated::INVALID`], and the offset
+/// of the instance's record. [`Objects`](crate::gpu::Objects) knows what they mean.
+pub type RayId = [u32; 2];
+
+/// What first hits tell beside their sums.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Extras {
+    /// What the centre's walk cost.
+    pub visits: bool,
+    /// What each of so many rays of a pixel met; 0 for none.
+    pub ray_ids: u32,
+}
+
+impl Extras {
+    /// The walk's cost, if `visits`.
+    pub fn visits(visits: bool) -> Self {
+        Self { visits, ray_ids: 0 }
+    }
 }
 
 /// What the kernel has of a scene's and a render's features.
@@ -46,8 +76,8 @@ const FEATURES: [Feature; 13] = [
 ];
 
 impl FirstHits {
-    /// Compiles for what of `features` first hits need, with counts of the walk's cost if
-    /// `counts_visits`. `frame`: the uniforms of the scene, its camera and its window.
+    /// Compiles for what of `features` first hits need. `frame`: the uniforms of the scene, its
+    /// camera and its window.
     ///
     /// # Errors
     /// [`crate::Error::Shader`].
@@ -55,7 +85,7 @@ impl FirstHits {
         device: &Device,
         scene: &GpuScene,
         features: Features,
-        counts_visits: bool,
+        extras: Extras,
         stack_size: u32,
         frame: GpuFrame,
         tuning: &Tuning,
@@ -63,11 +93,13 @@ impl FirstHits {
         let needed = FEATURES
             .iter()
             .fold(Features::default(), |set, &f| set.with_if(f, features.has(f)))
-            .with_if(Feature::VisitCounts, counts_visits);
+            .with_if(Feature::VisitCounts, extras.visits)
+            .with_if(Feature::RayIds, extras.ray_ids > 0);
         let generated = generated::wgsl(stack_size, tuning.workgroup_size);
         let kernel = Kernel::new(device, &tuning.library, "first_hit", needed, &generated)?;
         let tile_bytes = u64::from(TILE_PIXELS) * size_of::<GpuFirstHit>() as u64;
-        let fits = device.info().max_binding_size / tile_bytes;
+        let id_bytes = u64::from(TILE_PIXELS * extras.ray_ids) * size_of::<RayId>() as u64;
+        let fits = device.info().max_binding_size / tile_bytes.max(id_bytes);
         let [width, height] = frame.window_size;
         let (across, down) = PathTrace::tiles(width, height);
         let region_tiles = fits.clamp(1, u64::from(across) * u64::from(down)) as u32;
@@ -86,6 +118,19 @@ impl FirstHits {
         let usage = Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST;
         let hits_buffer = buffer("first hits", hits_bytes, usage);
         let mut buffers = vec![("frame", &frame_buffer), ("first_hits", &hits_buffer)];
+        let frame = GpuFrame { sample_limit: extras.ray_ids, ..frame };
+        let ids = (extras.ray_ids > 0).then(|| {
+            let bytes = u64::from(region_tiles) * id_bytes;
+            RayIds {
+                buffer: buffer("ray ids", bytes, Usage::STORAGE | Usage::COPY_SRC),
+                readback: Readback::new(device, "ray ids copy", bytes),
+                rays: extras.ray_ids,
+                ids: Vec::new(),
+            }
+        });
+        if let Some(ids) = &ids {
+            buffers.push(("ray_ids", &ids.buffer));
+        }
         buffers.extend(scene.buffers());
         let bind_group = kernel.bind(device, &buffers);
         Ok(Self {
@@ -94,6 +139,7 @@ impl FirstHits {
             frame_buffer,
             hits_buffer,
             readback: Readback::new(device, "first hits copy", hits_bytes),
+            ids,
             frame,
             workgroup_size: tuning.workgroup_size,
             region_tiles,
@@ -102,15 +148,23 @@ impl FirstHits {
         })
     }
 
-    /// Begins anew with another camera or environment; `frame` has the size that it had before.
-    ///
-    /// # Panics
-    /// If the window's size is another.
+    /// Begins anew with another camera, environment or window.
     pub fn restart(&mut self, frame: GpuFrame) {
-        assert_eq!(frame.window_size, self.frame.window_size, "size of the window");
-        self.frame = frame;
+        self.frame = GpuFrame { sample_limit: self.frame.sample_limit, ..frame };
         self.sample_count = 0;
-        self.hits.fill(GpuFirstHit::zeroed());
+        let [width, height] = frame.window_size;
+        self.hits.clear();
+        self.hits.resize(width as usize * height as usize, GpuFirstHit::zeroed());
+    }
+
+    /// Begins anew in another part of the picture.
+    pub fn move_to(&mut self, window: Crop) {
+        self.restart(GpuFrame {
+            window_origin: [window.x, window.y],
+            window_size: [window.width, window.height],
+            tiles_across: PathTrace::tiles(window.width, window.height).0,
+            ..self.frame
+        });
     }
 
     /// The part of the picture that it covers.
@@ -129,13 +183,27 @@ impl FirstHits {
         &self.hits
     }
 
+    /// What each ray met: the rays of a pixel together, pixels row by row. Empty unless they were
+    /// asked for.
+    pub fn ray_ids(&self) -> &[RayId] {
+        self.ids.as_ref().map_or(&[], |ids| &ids.ids)
+    }
+
     /// Adds the next `samples` of every pixel and waits for them. The first call traces the ray
     /// through every pixel's centre as well.
     ///
     /// # Errors
     /// [`crate::Error::DeviceLost`].
+    ///
+    /// # Panics
+    /// If there are more rays than those that were to be told apart.
     pub fn run(&mut self, device: &Device, samples: u32) -> Result<()> {
         let [width, height] = self.frame.window_size;
+        if let Some(ids) = &mut self.ids {
+            assert!(self.sample_count + samples <= ids.rays, "rays that are told apart");
+            let pixels = width as usize * height as usize;
+            ids.ids.resize(pixels * ids.rays as usize, [INVALID; 2]);
+        }
         let (across, down) = PathTrace::tiles(width, height);
         let mut first_tile = 0;
         while first_tile < across * down {
@@ -144,12 +212,25 @@ impl FirstHits {
             let pixels = tiles * TILE_PIXELS;
             let read: Vec<GpuFirstHit> =
                 self.readback.read(device, &self.hits_buffer, pixels as usize)?;
-            for (i, hit) in read.iter().enumerate() {
+            let place = |i: usize| {
                 let i = i as u32;
                 let tile = first_tile + i / TILE_PIXELS;
                 let (x, y) = PathTrace::pixel(tile, i % TILE_PIXELS, across);
-                if x < width && y < height {
-                    self.hits[(y * width + x) as usize].add(hit, self.sample_count == 0);
+                (x < width && y < height).then_some((y * width + x) as usize)
+            };
+            for (i, hit) in read.iter().enumerate() {
+                if let Some(pixel) = place(i) {
+                    self.hits[pixel].add(hit, self.sample_count == 0);
+                }
+            }
+            if let Some(ids) = &mut self.ids {
+                let rays = ids.rays as usize;
+                let count = pixels as usize * rays;
+                let read: Vec<RayId> = ids.readback.read(device, &ids.buffer, count)?;
+                for (i, of_pixel) in read.chunks_exact(rays).enumerate() {
+                    if let Some(pixel) = place(i) {
+                        ids.ids[pixel * rays..][..rays].copy_from_slice(of_pixel);
+                    }
                 }
             }
             first_tile += tiles;
@@ -202,14 +283,18 @@ impl GpuFirstHit {
             self.shading_normal[k] += more.shading_normal[k];
             self.geometric_normal[k] += more.geometric_normal[k];
             self.albedo[k] += more.albedo[k];
+            self.position[k] += more.position[k];
         }
         self.uv = [0, 1].map(|k| self.uv[k] + more.uv[k]);
         self.depth += more.depth;
+        self.axial_depth += more.axial_depth;
         self.hit_count += more.hit_count;
         self.ray_count += more.ray_count;
         self.faults |= more.faults;
         if with_centre {
             self.material = more.material;
+            self.source = more.source;
+            self.instance = more.instance;
             self.node_visits = more.node_visits;
             self.primitive_visits = more.primitive_visits;
         }

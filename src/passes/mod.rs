@@ -7,7 +7,7 @@ mod path_trace;
 mod tuning;
 
 pub use adaptive::{ActiveList, Adaptive};
-pub use first_hit::FirstHits;
+pub use first_hit::{Extras, FirstHits, RayId};
 pub use float_environment::FloatEnvironment;
 pub use path_trace::{PathTrace, Work};
 pub use tuning::Tuning;

@@ -31,7 +31,7 @@ enum Position {
 }
 
 /// What was counted.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Counts {
     /// Camera paths.
     pub samples: u64,

@@ -1,16 +1,15 @@
 //! Camera rays over a scene that is on a device, without a render.
 
-use super::PreparedScene;
+use super::{PreparedScene, Renderer};
 #[cfg(doc)]
 use crate::Error;
 use crate::Result;
-use crate::passes::{FirstHits, Tuning};
+use crate::passes::{Extras, FirstHits, Tuning};
 use crate::scene::Scene;
 use crate::settings::RenderSettings;
 
 impl PreparedScene {
-    /// Compiles what traces camera rays; with counts of the walk's cost if `counts_visits`.
-    /// `scene` is the one that this was prepared from, but for its cameras.
+    /// Compiles what traces camera rays. `scene` is the one that this was prepared from, but for its cameras.
     ///
     /// # Errors
     /// [`Error::Settings`], [`Error::Limit`], [`Error::DeviceLost`], [`Error::Shader`].
@@ -18,7 +17,7 @@ impl PreparedScene {
         &self,
         scene: &Scene,
         settings: &RenderSettings,
-        counts_visits: bool,
+        extras: Extras,
         tuning: &Tuning,
     ) -> Result<FirstHits> {
         settings.validate(scene)?;
@@ -26,6 +25,13 @@ impl PreparedScene {
         let features = self.features(scene, settings);
         let frame = self.buffers.facts().frame(scene, settings);
         let (device, buffers, stack_size) = (&self.device, &self.buffers, self.stack_size);
-        FirstHits::new(device, buffers, features, counts_visits, stack_size, frame, tuning)
+        FirstHits::new(device, buffers, features, extras, stack_size, frame, tuning)
+    }
+}
+
+impl Renderer {
+    /// The scene on the device.
+    pub fn prepared(&self) -> &PreparedScene {
+        &self.prepared
     }
 }

@@ -7,6 +7,7 @@
 
 mod camera;
 mod camera_file;
+mod camera_matrices;
 mod content_hash;
 mod environment;
 pub mod gltf;

@@ -134,6 +134,8 @@ features! {
     SeedRule = "SEED_RULE",
     /// Traversals count what they visit.
     VisitCounts = "VISIT_COUNTS",
+    /// First hits of every ray are told apart by what they met.
+    RayIds = "RAY_IDS",
     /// What GGX loses by scattering once is given back.
     EnergyCompensation = "ENERGY_COMPENSATION",
 }
@@ -168,6 +170,7 @@ impl Feature {
                 | Adaptive
                 | SeedRule
                 | VisitCounts
+                | RayIds
                 | EnergyCompensation
         )
     }

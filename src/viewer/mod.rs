@@ -52,7 +52,7 @@ const NOISE: f32 = 0.02;
 /// Opens the window and stays until it is closed.
 pub(crate) fn run(flags: &ViewFlags) -> Result<ExitCode> {
     let picture = &flags.job.picture;
-    if flags.job.sampling.reference || picture.pixel.is_some() || picture.bits.is_some() {
+    if flags.job.sampling.reference || picture.pixel.is_some() || picture.png.bits.is_some() {
         let message = "--reference, --pixel and --bits are for `render`, not for a window";
         return Err(Error::Settings(message.into()));
     }

@@ -459,8 +459,8 @@ fn the_copied_command_is_the_wish() {
         assert_eq!(settings, steradian::RenderSettings { camera: 0, ..wish.settings.clone() });
         assert_eq!(flags.job.environment, wish.environment);
         let picture = &flags.job.picture;
-        assert_eq!(picture.exposure.unwrap_or(0.0), wish.display.exposure_ev);
-        assert_eq!(picture.tone_map.unwrap_or_default(), wish.display.tone_curve);
+        assert_eq!(picture.png.exposure.unwrap_or(0.0), wish.display.exposure_ev);
+        assert_eq!(picture.png.tone_map.unwrap_or_default(), wish.display.tone_curve);
         assert_eq!(picture.view, wish.view);
     }
 }

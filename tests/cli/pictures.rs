@@ -3,7 +3,7 @@
 use super::{FURNACE_BOX, Program, QUAD_LIGHT, read_json, scene, talk};
 use std::path::Path;
 use steradian::image::{
-    Attribute, ChannelData, DisplayTransform, ExrImage, Picture, ToneCurve, read_exr, read_png,
+    ChannelData, DisplayTransform, ExrImage, Picture, ToneCurve, read_exr, read_png,
 };
 
 const SMALL: [&str; 4] = ["--resolution", "48x40", "--spp", "16"];
@@ -137,10 +137,7 @@ fn files_say_what_made_them() {
     render(&program, "a.exr", &flags);
     render(&program, "a.png", &flags);
     let image = exr(&program, "a.exr");
-    let text = |name: &str| match &image.metadata[name] {
-        Attribute::Text(text) => text.clone(),
-        Attribute::Number(number) => number.to_string(),
-    };
+    let text = |name: &str| image.metadata[name].to_string();
     let chunks = png_text(&program.path("a.png"));
     for (name, value) in [
         ("steradian.version", env!("CARGO_PKG_VERSION")),

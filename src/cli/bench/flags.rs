@@ -1,6 +1,7 @@
 //! Flags of `bench`.
 
 use super::coverage::{RULES, Rule};
+use crate::cli::destination::PngFlags;
 use crate::cli::flags::{CameraFlags, EnvironmentFlags, JobFlags, PictureFlags, SamplingFlags};
 use crate::cli::scene_flags::SceneFlags;
 use crate::cli::stopping::{CONFIDENCE, PRESETS, StoppingFlags};
@@ -197,10 +198,8 @@ impl BenchFlags {
             scale: scale.filter(|_| self.resolution.is_none()),
             crop: self.crop,
             pixel: None,
-            bits: None,
-            exposure: None,
+            png: PngFlags::default(),
             view: None,
-            tone_map: None,
         }
     }
 

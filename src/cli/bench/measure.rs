@@ -15,7 +15,7 @@ use std::time::Instant;
 use steradian::bench::{Curve, Difference, PictureErrors, Point, Reference, ReferenceParts, Run};
 use steradian::gpu::Device;
 use steradian::image::{ChannelData, ExrImage, read_exr};
-use steradian::passes::Tuning;
+use steradian::passes::{Extras, Tuning};
 use steradian::renderer::{PreparedScene, RenderStatistics};
 use steradian::{Error, RenderSettings, Result};
 
@@ -195,7 +195,8 @@ fn facts(
 
 /// Nodes and primitives that the rays through the pixels' centres test, in the mean.
 fn visits(job: &Job, prepared: &PreparedScene, device: &Device) -> Result<[f64; 2]> {
-    let mut hits = prepared.first_hits(&job.scene, &job.settings, true, &Tuning::default())?;
+    let mut hits =
+        prepared.first_hits(&job.scene, &job.settings, Extras::visits(true), &Tuning::default())?;
     hits.run(device, 1)?;
     let n = hits.hits().len() as f64;
     let mean = |of: fn(&steradian::gpu::GpuFirstHit) -> u32| {

@@ -2,7 +2,7 @@
 
 use super::noise::Noise;
 use crate::image::{
-    Attribute, ChannelData, ExrImage, OutputFormat, Picture, invalid_data, read_exr, read_png,
+    ChannelData, ExrImage, OutputFormat, Picture, invalid_data, read_exr, read_png,
 };
 use crate::settings::Crop;
 use crate::{Error, Result};
@@ -100,7 +100,7 @@ impl PictureFile {
     /// # Errors
     /// [`Error::Io`] if a variance is negative or no number.
     pub fn from_exr(image: &ExrImage, path: &Path) -> Result<Self> {
-        let metadata = image.metadata.iter().map(|(name, value)| (name.clone(), text(value)));
+        let metadata = image.metadata.iter().map(|(name, value)| (name.clone(), value.to_string()));
         let metadata: BTreeMap<_, _> = metadata.collect();
         let noise = Noise::of(image, &metadata).map_err(|e| invalid_data(path, e))?;
         Ok(Self {
@@ -165,13 +165,6 @@ fn layers(image: &ExrImage) -> Vec<PictureLayer> {
         }
     }
     layers
-}
-
-fn text(value: &Attribute) -> String {
-    match value {
-        Attribute::Text(text) => text.clone(),
-        Attribute::Number(number) => number.to_string(),
-    }
 }
 
 /// Keywords and texts of a PNG.

@@ -4,6 +4,7 @@ use super::Engine;
 use super::stage::traced;
 use super::views::of_hits;
 use crate::cli::destination::{Picture, check_place};
+use crate::cli::layer_flags::ExrOptions;
 use crate::cli::output;
 use crate::cli::report::Outcome;
 use crate::cli::view::{self, DEFAULT_RAYS};
@@ -24,6 +25,7 @@ impl Engine {
             depth: BitDepth::Eight,
             exposure_ev: wish.display.exposure_ev,
             tone_curve: wish.display.tone_curve,
+            exr: ExrOptions::default(),
         };
         match (wish.view, of_hits(wish)) {
             (_, Some(view)) => self.save_hits(&picture, view),
@@ -45,6 +47,7 @@ impl Engine {
             driver: &info.driver,
             film: &film,
             statistics: &statistics,
+            layers: None,
             // What is not done is marked, as a picture is that a signal ended.
             stop_code: None,
             is_snapshot: !self.is_over,

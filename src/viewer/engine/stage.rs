@@ -5,7 +5,7 @@ use crate::cli::job::{Job, set_environment};
 use crate::viewer::wish::Wish;
 use std::sync::Arc;
 use steradian::gpu::GpuFirstHit;
-use steradian::passes::Tuning;
+use steradian::passes::{Extras, Tuning};
 use steradian::renderer::PreparedScene;
 use steradian::scene::{Camera, Environment};
 use steradian::settings::Crop;
@@ -75,7 +75,8 @@ pub(super) fn traced(
     tuning: &Tuning,
 ) -> Result<Vec<GpuFirstHit>> {
     let (prepared, scene) = (&stage.prepared, &stage.job.scene);
-    let mut hits = prepared.first_hits(scene, settings, view == View::NodeVisits, tuning)?;
+    let mut hits =
+        prepared.first_hits(scene, settings, Extras::visits(view == View::NodeVisits), tuning)?;
     hits.run(prepared.device(), rays)?;
     Ok(hits.hits().to_vec())
 }

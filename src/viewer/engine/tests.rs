@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use steradian::Renderer;
 use steradian::gpu::Device;
 use steradian::image::{DisplayTransform, read_picture};
-use steradian::passes::Tuning;
+use steradian::passes::{Extras, Tuning};
 use steradian::renderer::PreparedScene;
 use steradian::view::{View, of_first_hits};
 
@@ -198,7 +198,9 @@ fn views_are_those_of_the_library() {
         let frame = bench.wait_until_done();
         let counts = view == View::NodeVisits;
         let tuning = Tuning::default();
-        let mut hits = prepared.first_hits(&job.scene, &job.settings, counts, &tuning).unwrap();
+        let mut hits = prepared
+            .first_hits(&job.scene, &job.settings, Extras::visits(counts), &tuning)
+            .unwrap();
         hits.run(&device, super::views::RAYS).unwrap();
         let expected = of_first_hits(view, hits.hits(), (200, 301)).unwrap();
         let expected = DisplayTransform::default().srgb8(&expected.picture.rgb);
