@@ -12,7 +12,7 @@ pub(crate) struct Identity {
     version: String,
     scene: String,
     scene_hash: String,
-    settings_hash: String,
+    pub(crate) settings_hash: String,
     pub(crate) device: String,
     pub(crate) driver: String,
 }

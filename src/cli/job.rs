@@ -240,10 +240,8 @@ mod tests {
             scale,
             crop: None,
             pixel: None,
-            bits: None,
-            exposure: None,
+            png: crate::cli::destination::PngFlags::default(),
             view: None,
-            tone_map: None,
         }
     }
 

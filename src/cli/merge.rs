@@ -231,6 +231,9 @@ fn metadata(
         };
         match name.as_str() {
             "steradian.device" => *value = joined(|d| &d.0),
+            "steradian.settings_hash" => {
+                *value = Attribute::Text(parts[0].head.part.settings_hash.clone());
+            }
             "steradian.driver" => *value = joined(|d| &d.1),
             _ => {}
         }

@@ -22,6 +22,7 @@ mod progress;
 mod reference;
 mod render;
 pub(crate) mod report;
+mod rescue;
 pub(crate) mod scene_flags;
 mod session;
 mod shard;

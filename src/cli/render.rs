@@ -1,15 +1,18 @@
 //! `steradian render`.
 
 use super::checkpoint::Checkpoint;
-use super::destination::Destinations;
+use super::destination::{Destinations, Picture};
 use super::flags::RenderFlags;
 use super::job::Job;
+use super::layer_flags::STANDARD_OUTPUT;
 use super::progress::{Progress, while_busy};
 use super::report::{self, Outcome};
+use super::rescue::or_elsewhere;
 use super::session::Session;
 use super::signals::StopRequest;
 use super::talk::Verbosity;
 use super::{film_output, output, reference, shard, stats, view};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 use steradian::view::Source;
@@ -78,11 +81,16 @@ impl Call<'_> {
                 Some(view) => {
                     self.verbosity.say(&view::write_of_film(picture, view, outcome)?);
                 }
-                None => output::write(picture, outcome)?,
+                None if picture.path == Path::new(STANDARD_OUTPUT) => {
+                    output::write(picture, outcome)?
+                }
+                None => or_elsewhere(&picture.path, |path| {
+                    output::write(&Picture { path: path.to_owned(), ..picture.clone() }, outcome)
+                })?,
             }
         }
         if let Some(path) = &destinations.film {
-            film_output::write(path, self, outcome)?;
+            or_elsewhere(path, |path| film_output::write(path, self, outcome))?;
         }
         if let Some(path) = &destinations.sample_map {
             output::write_sample_map(path, flags.sample_map_colors, outcome)?;

@@ -133,7 +133,11 @@ impl<'a> Session<'a> {
             stop_code = Some(TRY_AGAIN);
         }
         self.renderer.finish()?;
-        let code = self.call.conclude(&self.outcome(stop_code))?;
+        let concluded = self.call.conclude(&self.outcome(stop_code));
+        if let (Err(_), None, Some(checkpoint)) = (&concluded, stop_code, &mut checkpoint) {
+            checkpoint.keep(&self.renderer)?;
+        }
+        let code = concluded?;
         if stop_code.is_none()
             && let Some(checkpoint) = checkpoint
         {

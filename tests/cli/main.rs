@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod bench;
+mod farm;
 mod flags;
 mod pictures;
 mod reference;
@@ -22,6 +23,10 @@ use tempfile::TempDir;
 /// A bundled scene of one emitting rectangle over a grey one.
 const QUAD_LIGHT: &str =
     concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/tests/quad-light/quad-light.gltf");
+
+/// The Cornell box.
+const CORNELL_BOX: &str =
+    concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell-box/cornell-box.gltf");
 
 /// A bundled scene whose walls both emit and reflect.
 const FURNACE_BOX: &str =
