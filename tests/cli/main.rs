@@ -5,6 +5,7 @@ mod bad_input;
 mod bench;
 mod farm;
 mod flags;
+mod layers;
 mod pictures;
 mod reference;
 mod scene;
