@@ -14,6 +14,7 @@ mod materials;
 mod pipeline;
 mod readback;
 mod scene;
+mod split;
 mod types;
 mod wide;
 mod world;
