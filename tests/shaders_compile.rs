@@ -7,14 +7,20 @@ use steradian::shader::{Feature, Features, compose, generated, library};
 /// Storage buffers that every device can bind in one stage.
 const MOST_STORAGE_BUFFERS: usize = 8;
 
-/// More of them that hold textures, where a device can bind them.
-const SPLIT_TEXTURES: usize = 3;
+/// More of them that hold what one cannot, where a device can bind them.
+const SPLIT: [(Feature, usize); 4] = [
+    (Feature::SplitTextures, 3),
+    (Feature::SplitPrimitives, 3),
+    (Feature::SplitAttributes, 3),
+    (Feature::SplitNodes, 1),
+];
 
 /// `set` with what its members cannot occur without.
 fn with_implied(mut set: Features) -> Features {
     use Feature::*;
     let implied = [
         (SplitTextures, Textures),
+        (SplitAttributes, Attributes),
         (Textures, VertexData),
         (VertexData, Attributes),
         (Attributes, Triangles),
@@ -114,7 +120,8 @@ fn every_entry_composes_and_validates_for_every_feature_set() {
                         .iter()
                         .filter(|(_, v)| matches!(v.space, naga::AddressSpace::Storage { .. }))
                         .count();
-                    let extra = if set.has(Feature::SplitTextures) { SPLIT_TEXTURES } else { 0 };
+                    let is_split = SPLIT.iter().filter(|(feature, _)| set.has(*feature));
+                    let extra: usize = is_split.map(|(_, more)| more).sum();
                     if storage > MOST_STORAGE_BUFFERS + extra {
                         failures.push(format!("[{set}] {entry}: {storage} storage buffers"));
                     }

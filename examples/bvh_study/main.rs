@@ -6,7 +6,7 @@
 //!
 //! Prints build speed, cost by the surface area heuristic, and what camera rays and two
 //! generations of scattered rays touch on average: alone in the tree as built, and in packets of
-//! eight in the tree of four children a node. `--others` adds the presets of the `obvhs` crate;
+//! eight, and alone, in the tree of four children a node. `--others` adds the presets of the `obvhs` crate;
 //! `--device` rays per second of the shaders' walks on the device; `--dump` writes triangles and
 //! rays for `tools/bvh_embree.py`. Instances are traced as copies of their meshes.
 
@@ -169,8 +169,10 @@ fn print_packets(scene: &Scene, sets: &RaySets) -> Result<(), Failure> {
     let bytes = 16.0 * world.nodes.len() as f64 / world.statistics().triangle_count as f64;
     print!("packets: {bytes:.1} bytes of nodes a triangle, stack {};", world.stack_size);
     for (set, rays) in sets.named() {
-        let touched = wide.walk(rays, set == "shadow");
-        print!(" {set} {:.2} nodes {:.2} triangles;", touched.nodes, touched.triangles);
+        let touched = wide.walk(rays, 8, set == "shadow");
+        let alone = wide.walk(rays, 1, set == "shadow");
+        print!(" {set} {:.2} nodes {:.2} triangles", touched.nodes, touched.triangles);
+        print!(" (one ray {:.2}, {:.2});", alone.nodes, alone.triangles);
     }
     println!();
     Ok(())

@@ -1,4 +1,4 @@
-//! What packets of eight rays touch in a tree of four children a node, in the form that the
+//! What packets of rays touch in a tree of four children a node, in the form that the
 //! device reads.
 
 use crate::tree::Touched;
@@ -6,8 +6,6 @@ use glam::Vec3;
 use steradian::bvh::{
     BvhChild, LEAF_BIT, LEAF_COUNT_MASK, LEAF_COUNT_SHIFT, LEAF_FIRST_MASK, Ray, triangle_hit,
 };
-
-const LANES: usize = 8;
 
 /// A tree of triangles alone, as `World` has it.
 pub(crate) struct WideTree<'a> {
@@ -18,14 +16,14 @@ pub(crate) struct WideTree<'a> {
 }
 
 impl WideTree<'_> {
-    /// Nodes and triangles of a packet on average, of the nearest hits of `rays`; with `any`, of
-    /// any hit.
-    pub(crate) fn walk(&self, rays: &[Ray], any: bool) -> Touched {
+    /// Nodes and triangles of a packet of `lanes` rays on average, of the nearest hits of `rays`;
+    /// with `any`, of any hit.
+    pub(crate) fn walk(&self, rays: &[Ray], lanes: usize, any: bool) -> Touched {
         let mut counts = [0_u64; 2];
-        for packet in rays.chunks_exact(LANES) {
+        for packet in rays.chunks_exact(lanes) {
             self.packet(packet, any, &mut counts);
         }
-        let [nodes, triangles] = counts.map(|c| c as f64 / (rays.len() / LANES) as f64);
+        let [nodes, triangles] = counts.map(|c| c as f64 / (rays.len() / lanes) as f64);
         Touched { nodes, triangles }
     }
 
@@ -33,8 +31,8 @@ impl WideTree<'_> {
         let real = |w: &[u32; 4]| Vec3::new(w[0] as f32, w[1] as f32, w[2] as f32);
         let bits = |w: &[u32; 4]| Vec3::from([w[0], w[1], w[2]].map(f32::from_bits));
         let (min, scale) = (bits(&self.nodes[0]), bits(&self.nodes[1]));
-        let inverses: [Vec3; LANES] = std::array::from_fn(|i| rays[i].d.recip());
-        let mut t: [f32; LANES] = std::array::from_fn(|i| rays[i].t_max);
+        let inverses: Vec<Vec3> = rays.iter().map(|ray| ray.d.recip()).collect();
+        let mut t: Vec<f32> = rays.iter().map(|ray| ray.t_max).collect();
         let mut stack = vec![self.nodes[0][3]];
         while let Some(link) = stack.pop() {
             if link & LEAF_BIT != 0 {
@@ -43,7 +41,7 @@ impl WideTree<'_> {
                     let at = 3 * ((link & LEAF_FIRST_MASK) + i) as usize;
                     let [a, b, c] = std::array::from_fn(|k| bits(&self.primitives[at + k]));
                     counts[1] += 1;
-                    for lane in 0..LANES {
+                    for lane in 0..rays.len() {
                         let (o, d) = (rays[lane].o, rays[lane].d);
                         if let Some(hit) = triangle_hit(o, d, a, b, c, t[lane]) {
                             t[lane] = if any { -1.0 } else { hit.t };
@@ -62,7 +60,7 @@ impl WideTree<'_> {
                 let child = BvhChild { x, y, z, link };
                 let plane = |q: [u32; 3]| min + real(&[q[0], q[1], q[2], 0]) * scale;
                 let (low, high) = (plane(child.lower()), plane(child.upper()));
-                let nearest = (0..LANES).filter_map(|lane| {
+                let nearest = (0..rays.len()).filter_map(|lane| {
                     let (a, b) = (
                         (low - rays[lane].o) * inverses[lane],
                         (high - rays[lane].o) * inverses[lane],

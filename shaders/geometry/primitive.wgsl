@@ -4,7 +4,15 @@
 // Triangle: three vertices. Sphere: centre, or the anchor; (radius, is anchored, -);
 // the anchor's normal. The fourth words are alike: material, with PRIMITIVE_HAS_ALPHA and
 // PRIMITIVE_IS_CULLED; light or INVALID; the index in scene order.
+#if SPLIT_PRIMITIVES
+// One number of each word: where one binding cannot hold all.
+@group(0) @binding(3) var<storage, read> primitives: array<u32>;
+@group(0) @binding(30) var<storage, read> primitives_1: array<u32>;
+@group(0) @binding(31) var<storage, read> primitives_2: array<u32>;
+@group(0) @binding(32) var<storage, read> primitives_3: array<u32>;
+#else
 @group(0) @binding(3) var<storage, read> primitives: array<vec2<u32>>;
+#endif
 
 struct Primitive {
     a: vec4<u32>,
@@ -12,13 +20,17 @@ struct Primitive {
     c: vec4<u32>,
 }
 
+fn primitive_word(i: u32) -> vec4<u32> {
+#if SPLIT_PRIMITIVES
+    return vec4<u32>(primitives[i], primitives_1[i], primitives_2[i], primitives_3[i]);
+#else
+    return vec4<u32>(primitives[2u * i], primitives[2u * i + 1u]);
+#endif
+}
+
 fn primitive_load(index: u32) -> Primitive {
-    let i = 6u * index;
-    return Primitive(
-        vec4<u32>(primitives[i], primitives[i + 1u]),
-        vec4<u32>(primitives[i + 2u], primitives[i + 3u]),
-        vec4<u32>(primitives[i + 4u], primitives[i + 5u]),
-    );
+    let i = 3u * index;
+    return Primitive(primitive_word(i), primitive_word(i + 1u), primitive_word(i + 2u));
 }
 
 #if PACKETS

@@ -57,9 +57,9 @@ fn surface_attributes(surface: Surface, source: u32, hit: Hit, e1: vec3<f32>, e2
 #if VERTEX_DATA
 // Direction in which u of set 0 grows; 0 where the texture coordinates are degenerate.
 fn surface_uv_tangent(c: Corners, e1: vec3<f32>, e2: vec3<f32>) -> vec4<f32> {
-    let origin = bitcast<vec4<f32>>(attributes[c.first + 1u]).xy;
-    let d1 = bitcast<vec4<f32>>(attributes[c.second + 1u]).xy - origin;
-    let d2 = bitcast<vec4<f32>>(attributes[c.third + 1u]).xy - origin;
+    let origin = bitcast<vec4<f32>>(attribute_word(c.first + 1u)).xy;
+    let d1 = bitcast<vec4<f32>>(attribute_word(c.second + 1u)).xy - origin;
+    let d2 = bitcast<vec4<f32>>(attribute_word(c.third + 1u)).xy - origin;
     let area = d1.x * d2.y - d1.y * d2.x;
     if area == 0.0 {
         return vec4<f32>(0.0);

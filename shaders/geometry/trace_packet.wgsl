@@ -24,14 +24,19 @@ fn packet_child(pair: vec2<u32>, c: u32) -> vec4<u32> {
     }
 }
 
-// Six lanes load a primitive's record for all.
+// Six lanes load a primitive's record for all; a split one three.
 fn packet_primitive(index: u32) -> Primitive {
+#if SPLIT_PRIMITIVES
+    let word = primitive_word(3u * index + min(packet_lane, 2u));
+    return Primitive(subgroupBroadcast(word, 0u), subgroupBroadcast(word, 1u), subgroupBroadcast(word, 2u));
+#else
     let pair = primitives[6u * index + min(packet_lane, 5u)];
     return Primitive(
         vec4<u32>(subgroupBroadcast(pair, 0u), subgroupBroadcast(pair, 1u)),
         vec4<u32>(subgroupBroadcast(pair, 2u), subgroupBroadcast(pair, 3u)),
         vec4<u32>(subgroupBroadcast(pair, 4u), subgroupBroadcast(pair, 5u)),
     );
+#endif
 }
 
 // Distance to the child's box as an ordered integer, its two low bits the child's
@@ -84,7 +89,7 @@ fn packet_walk(ray: Ray, is_active: bool, any_hit: bool) -> Hit {
 #if VISIT_COUNTS
             visit_node();
 #endif
-            let pair = nodes[2u * link + packet_lane];
+            let pair = node_half(2u * link + packet_lane);
             let c0 = packet_child(pair, 0u);
             let c1 = packet_child(pair, 1u);
             let c2 = packet_child(pair, 2u);

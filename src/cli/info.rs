@@ -151,11 +151,10 @@ fn memory(buffers: &SceneBuffers, selector: Option<&str>) -> Vec<Line> {
 }
 
 fn fit(buffers: &SceneBuffers, device: &DeviceInfo) -> String {
-    let names = buffers.too_large_for(device);
-    let verdict = if names.is_empty() {
-        "the scene fits".to_owned()
-    } else {
-        format!("the scene does not fit: {} larger than can be bound", names.join(", "))
+    let verdict = match buffers.split_for(device) {
+        Ok(split) if split == Features::default() => "the scene fits".to_owned(),
+        Ok(split) => format!("the scene fits, over several bindings: {split}"),
+        Err(error) => format!("the scene does not fit: {error}"),
     };
     let limit = device.max_binding_size;
     format!("{} {}, {} in a binding: {verdict}", device.index, device.name, size(limit))

@@ -145,8 +145,7 @@ impl Batch<'_> {
         });
         let stack_size = buffers.world.stack_size.max(1);
         let buffers = buffers.upload(device)?;
-        let is_split = buffers.has_split_textures();
-        let features = Features::of(scene, settings).with_if(Feature::SplitTextures, is_split);
+        let features = Features::of(scene, settings).union(buffers.split_features());
         Ok(BatchScene { features, stack_size, frame, buffers })
     }
 }

@@ -51,6 +51,7 @@ pub struct Device {
     pub(super) kernels: Mutex<HashMap<String, Kernel>>,
     info: DeviceInfo,
     texture_binding_size: u64,
+    geometry_binding_size: u64,
     /// The first error that no call reported.
     failure: Arc<Mutex<Option<String>>>,
 }
@@ -152,8 +153,17 @@ impl Device {
             }
         });
         let texture_binding_size = info.max_binding_size;
+        let geometry_binding_size = info.max_binding_size;
         let kernels = Mutex::default();
-        Ok(Self { device, queue, kernels, info, texture_binding_size, failure })
+        Ok(Self {
+            device,
+            queue,
+            kernels,
+            info,
+            texture_binding_size,
+            geometry_binding_size,
+            failure,
+        })
     }
 
     /// Whether packets pay: a processor whose vector registers hold subgroups of eight.
@@ -173,6 +183,16 @@ impl Device {
     /// small scene can show what a large one does.
     pub fn limit_texture_bindings(&mut self, bytes: u64) {
         self.texture_binding_size = bytes.min(self.info.max_binding_size);
+    }
+
+    /// The same for nodes, primitives and their attributes.
+    pub fn limit_geometry_bindings(&mut self, bytes: u64) {
+        self.geometry_binding_size = bytes.min(self.info.max_binding_size);
+    }
+
+    /// Bytes of a table of the geometry in one binding at most.
+    pub(super) fn geometry_binding_size(&self) -> u64 {
+        self.geometry_binding_size
     }
 
     /// Bytes of textures in one binding at most.

@@ -1,6 +1,7 @@
 //! Materials and textures as the device reads them.
 
 use super::GpuMaterial;
+use super::split::OTHER_BUFFERS;
 use crate::scene::{AlphaMode, ColorSpace, Image, Material, Scene, TextureRef, Wrap};
 use crate::shader::generated::{INVALID, material, texture};
 use std::borrow::Cow;
@@ -17,9 +18,6 @@ pub(super) struct Materials {
 /// buffer can hold all, only the first is used.
 pub(super) const TEXTURE_BUFFERS: [&str; 4] =
     ["textures", "textures_1", "textures_2", "textures_3"];
-
-/// Storage buffers that a kernel binds besides the last three of those.
-const OTHER_BUFFERS: u32 = 9;
 
 /// How textures are spread over buffers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

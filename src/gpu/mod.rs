@@ -15,6 +15,7 @@ mod objects;
 mod pipeline;
 mod readback;
 mod scene;
+mod split;
 mod types;
 mod wide;
 mod world;

@@ -2,14 +2,15 @@
 
 use super::limits::{check_binding, mebibytes};
 use super::materials::{Spread, TEXTURE_BUFFERS};
+use super::split::{Split, Splits};
 use super::world::{Emitter, TreeWidth, World};
 use super::{
     BufferFacts, Device, DeviceInfo, GpuLight, GpuMaterial, albedos, environment, lights, materials,
 };
 use crate::scene::Scene;
 use crate::settings::RenderSettings;
-use crate::shader::Features;
 use crate::shader::generated::{LIGHT_SLOTS, MATERIAL_SLOTS};
+use crate::shader::{Feature, Features};
 use crate::{Error, Result};
 
 /// Everything of the scene that the device reads, still in memory.
@@ -30,7 +31,7 @@ pub struct GpuScene {
     facts: BufferFacts,
     emitters: Vec<Emitter>,
     choosing: lights::Choosing,
-    has_split_textures: bool,
+    split_features: Features,
 }
 
 const FEWER_EMITTERS: &str = "use fewer emissive triangles";
@@ -63,18 +64,39 @@ impl SceneBuffers {
         arrays.chain([("textures", self.materials.texture_bytes())]).collect()
     }
 
-    /// Names of what is larger than a device of these limits can bind.
-    pub fn too_large_for(&self, device: &DeviceInfo) -> Vec<&'static str> {
+    /// What a kernel for a device of these limits has to split over several bindings.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] about the first table that cannot be bound.
+    pub fn split_for(&self, device: &DeviceInfo) -> Result<Features> {
         let limit = device.max_binding_size;
-        let arrays = self.arrays().into_iter().filter(|(_, _, bytes)| bytes.len() as u64 > limit);
-        let textures = self.spread(device, limit).is_err().then_some("textures");
-        arrays.map(|(name, ..)| name).chain(textures).collect()
+        let (splits, spread) = self.splits(device, limit, limit)?;
+        Ok(splits.features.with_if(Feature::SplitTextures, spread != Spread::One))
     }
 
-    /// How textures spread over bindings of at most `limit` bytes.
-    fn spread(&self, device: &DeviceInfo, limit: u64) -> Result<Spread> {
+    /// How geometry and textures spread over bindings of at most so many bytes.
+    fn splits(
+        &self,
+        device: &DeviceInfo,
+        geometry: u64,
+        textures: u64,
+    ) -> Result<(Splits, Spread)> {
+        let arrays = self.arrays();
+        for (name, remedy, bytes) in &arrays {
+            if Split::named(name).is_none() {
+                check_binding(device, &format!("the scene's {name}"), bytes.len(), remedy)?;
+            }
+        }
+        let tables = arrays.iter().map(|(name, _, bytes)| (*name, bytes.len()));
+        let splits = Splits::of(tables, geometry, device)?;
+        Ok((splits, self.spread(device, textures, splits.extra)?))
+    }
+
+    /// How textures spread over bindings of at most `limit` bytes, where `taken` more than usual
+    /// are taken.
+    fn spread(&self, device: &DeviceInfo, limit: u64, taken: u32) -> Result<Spread> {
         let bytes = self.materials.texture_bytes() as u64;
-        let spread = Spread::of(bytes, limit, device.max_storage_buffers);
+        let spread = Spread::of(bytes, limit, device.max_storage_buffers.saturating_sub(taken));
         let head = self.materials.descriptor_bytes() as u64;
         let has_head = |s: &Spread| match *s {
             Spread::One => true,
@@ -111,16 +133,19 @@ impl SceneBuffers {
     /// # Errors
     /// [`crate::Error::Limit`] before anything is copied, [`crate::Error::DeviceLost`].
     pub fn upload(&self, device: &Device) -> Result<GpuScene> {
+        let (geometry, textures) = (device.geometry_binding_size(), device.texture_binding_size());
+        let (splits, spread) = self.splits(device.info(), geometry, textures)?;
         let arrays = self.arrays();
-        for (name, remedy, bytes) in &arrays {
-            check_binding(device.info(), &format!("the scene's {name}"), bytes.len(), remedy)?;
-        }
-        let spread = self.spread(device.info(), device.texture_binding_size())?;
         let textures = self.materials.texture_buffers(spread);
         let bytes = arrays.iter().map(|(_, _, b)| b.len() as u64).sum::<u64>()
             + self.materials.texture_bytes() as u64;
-        let mut buffers: Vec<_> =
-            arrays.iter().map(|(name, _, b)| (*name, buffer_of(device, name, b))).collect();
+        let mut buffers = Vec::new();
+        for (name, _, contents) in arrays {
+            match Split::named(name).filter(|split| splits.features.has(split.feature)) {
+                Some(split) => buffers.extend(parts_of(device, split, contents)),
+                None => buffers.push((name, buffer_of(device, name, contents))),
+            }
+        }
         // Kernels that read several bind them all; what they do not reach may be empty.
         for (index, name) in TEXTURE_BUFFERS.into_iter().enumerate() {
             let words = textures.get(index).map_or(&[][..], |words| words);
@@ -130,9 +155,9 @@ impl SceneBuffers {
         buffers.push(("albedos", device.uniform_buffer("albedos", albedos)));
         device.wait()?;
         let emitters = self.world.emitters.clone();
-        let has_split_textures = spread != Spread::One;
+        let split_features = splits.features.with_if(Feature::SplitTextures, spread != Spread::One);
         let (facts, choosing) = (self.facts(), self.choosing);
-        Ok(GpuScene { buffers, bytes, facts, emitters, choosing, has_split_textures })
+        Ok(GpuScene { buffers, bytes, facts, emitters, choosing, split_features })
     }
 }
 
@@ -150,6 +175,18 @@ fn buffer_of(device: &Device, name: &str, bytes: &[u8]) -> wgpu::Buffer {
         size if size > 0 && bytes.len() <= size => device.table_buffer(name, bytes, size),
         _ => device.storage_buffer(name, bytes),
     }
+}
+
+/// The buffers of a table that is split, one after the other: each part is a copy.
+fn parts_of<'a>(
+    device: &'a Device,
+    split: &'static Split,
+    contents: &'a [u8],
+) -> impl Iterator<Item = (&'static str, wgpu::Buffer)> + 'a {
+    split.bindings.iter().enumerate().map(move |(k, name)| {
+        let part = split.part(contents, k);
+        (*name, device.storage_buffer(name, bytemuck::cast_slice(&part)))
+    })
 }
 
 /// The tables of all lights, the environment's among them.
@@ -197,9 +234,9 @@ impl GpuScene {
         &self.facts
     }
 
-    /// Whether the textures are in several buffers.
-    pub fn has_split_textures(&self) -> bool {
-        self.has_split_textures
+    /// What of it is in several buffers.
+    pub fn split_features(&self) -> Features {
+        self.split_features
     }
 
     /// Whether the table of this name can be read as uniforms.

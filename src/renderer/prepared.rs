@@ -102,7 +102,7 @@ impl PreparedScene {
             .with_if(Feature::Packets, self.has_packets)
             .with_if(Feature::UniformMaterials, self.reads_uniforms("materials"))
             .with_if(Feature::UniformLights, self.reads_uniforms("lights"))
-            .with_if(Feature::SplitTextures, self.buffers.has_split_textures());
+            .union(self.buffers.split_features());
         match self.has_anchors || settings.all_features {
             true => features.with_if(Feature::AnchoredSpheres, self.has_anchors),
             false => features.without(Feature::AnchoredSpheres),

@@ -42,6 +42,12 @@ features! {
     VertexData = "VERTEX_DATA",
     /// Images.
     Textures = "TEXTURES",
+    /// Nodes that need two buffers of the device.
+    SplitNodes = "SPLIT_NODES",
+    /// Primitives that need four.
+    SplitPrimitives = "SPLIT_PRIMITIVES",
+    /// Their attributes, too.
+    SplitAttributes = "SPLIT_ATTRIBUTES",
     /// Images that need more than one buffer of the device.
     SplitTextures = "SPLIT_TEXTURES",
     /// Alpha MASK or BLEND.
@@ -151,7 +157,10 @@ impl Feature {
         use Feature::*;
         matches!(
             self,
-            SplitTextures
+            SplitNodes
+                | SplitPrimitives
+                | SplitAttributes
+                | SplitTextures
                 | Packets
                 | UniformMaterials
                 | UniformLights
