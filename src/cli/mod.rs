@@ -6,6 +6,7 @@ mod checkpoint;
 mod compare;
 mod compare_flags;
 pub(crate) mod destination;
+mod device_render;
 mod devices;
 mod drill;
 mod exr_file;
@@ -24,7 +25,7 @@ mod render;
 pub(crate) mod report;
 mod rescue;
 pub(crate) mod scene_flags;
-mod session;
+
 mod shard;
 pub(crate) mod signals;
 mod stats;

@@ -2,13 +2,13 @@
 
 use super::checkpoint::Checkpoint;
 use super::destination::{Destinations, Picture};
+use super::device_render::DeviceRender;
 use super::flags::RenderFlags;
 use super::job::Job;
 use super::layer_flags::STANDARD_OUTPUT;
 use super::progress::{Progress, while_busy};
 use super::report::{self, Outcome};
 use super::rescue::or_elsewhere;
-use super::session::Session;
 use super::signals::StopRequest;
 use super::talk::Verbosity;
 use super::{film_output, output, reference, shard, stats, view};
@@ -46,24 +46,23 @@ fn run_on_device(call: &Call, mut job: Job) -> Result<ExitCode> {
         shard::apply(&mut job, shard)?;
     }
     film_output::check(call, &job)?;
-    let mut session = Session::open(call, &job)?;
-    let mut checkpoint =
-        Checkpoint::begin(call, &job, session.device.info(), &mut session.renderer)?;
+    let mut render = DeviceRender::open(call, &job)?;
+    let mut checkpoint = Checkpoint::begin(call, &job, render.device.info(), &mut render.renderer)?;
     let stop = StopRequest::listen()?;
-    report::renderer(call.verbosity, session.renderer.statistics());
+    report::renderer(call.verbosity, render.renderer.statistics());
     let mut progress = Progress::start(call.verbosity);
     // At least one step, so that there is a picture however early the signal comes.
-    while session.step(&mut checkpoint)? && stop.exit_code().is_none() {
-        progress.update(session.renderer.progress());
+    while render.step(&mut checkpoint)? && stop.exit_code().is_none() {
+        progress.update(render.renderer.progress());
         if stop.wants_snapshot() {
-            progress = progress.break_for(|| session.write_snapshot())?;
+            progress = progress.break_for(|| render.write_snapshot())?;
         }
         if let Some(checkpoint) = &mut checkpoint {
-            checkpoint.keep_if_due(&session.renderer)?;
+            checkpoint.keep_if_due(&render.renderer)?;
         }
     }
     progress.end();
-    session.conclude(checkpoint, stop.exit_code())
+    render.conclude(checkpoint, stop.exit_code())
 }
 
 impl Call<'_> {

@@ -20,7 +20,7 @@ const TRY_AGAIN: u8 = 75;
 const TERMINATED: u8 = 143;
 
 /// Device and renderer of one call.
-pub(super) struct Session<'a> {
+pub(super) struct DeviceRender<'a> {
     call: &'a Call<'a>,
     job: &'a Job,
     pub(super) device: Arc<Device>,
@@ -41,7 +41,7 @@ fn build(call: &Call, job: &Job) -> Result<(Arc<Device>, Renderer, Option<Pictur
     Ok((device, renderer, layers))
 }
 
-impl<'a> Session<'a> {
+impl<'a> DeviceRender<'a> {
     /// Opens the device and builds.
     pub(super) fn open(call: &'a Call<'a>, job: &'a Job) -> Result<Self> {
         let drill = Drill::from_environment()?;
