@@ -6,6 +6,7 @@ use steradian::image::{BitDepth, OutputFormat, ToneCurve};
 use steradian::{Error, Result};
 
 use super::flags::RenderFlags;
+use super::names::Names;
 
 /// The picture to write.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,8 +36,11 @@ pub(crate) struct Destinations {
 
 impl Destinations {
     /// Checks names, endings and folders.
-    pub(crate) fn check(flags: &RenderFlags) -> Result<Self> {
-        let picture = flags.output.as_deref().map(|path| picture(path, flags)).transpose()?;
+    pub(crate) fn check(flags: &RenderFlags, names: &Names) -> Result<Self> {
+        let expand = |path: &Option<PathBuf>| path.as_ref().map(|p| names.expand(p)).transpose();
+        let (output, stats) = (expand(&flags.output)?, expand(&flags.stats)?);
+        let sample_map = expand(&flags.sample_map)?;
+        let picture = output.as_deref().map(|path| picture(path, flags)).transpose()?;
         let is_png = picture.as_ref().is_some_and(|p| p.format == OutputFormat::Png);
         let shown = &flags.job.picture;
         let is_shown = shown.bits.is_some() || shown.exposure.is_some() || shown.tone_map.is_some();
@@ -45,7 +49,6 @@ impl Destinations {
                            32-bit floats";
             return Err(Error::Settings(message.into()));
         }
-        let sample_map = flags.sample_map.clone();
         if let Some(map) = &sample_map
             && OutputFormat::from_path(map)? != OutputFormat::Png
         {
@@ -53,8 +56,8 @@ impl Destinations {
             return Err(Error::Settings(message));
         }
         let named = [
-            ("--output", flags.output.as_ref()),
-            ("--stats", flags.stats.as_ref()),
+            ("--output", output.as_ref()),
+            ("--stats", stats.as_ref()),
             ("--sample-map", sample_map.as_ref()),
         ];
         for (i, (flag, path)) in named.iter().enumerate() {
@@ -65,7 +68,14 @@ impl Destinations {
             }
             check_place(path)?;
         }
-        Ok(Self { picture, stats: flags.stats.clone(), sample_map })
+        Ok(Self { picture, stats, sample_map })
+    }
+
+    /// All files.
+    pub(crate) fn paths(&self) -> impl Iterator<Item = &Path> {
+        let picture = self.picture.as_ref().map(|picture| picture.path.as_path());
+        let others = [self.stats.as_deref(), self.sample_map.as_deref()];
+        picture.into_iter().chain(others.into_iter().flatten())
     }
 }
 

@@ -1,5 +1,6 @@
 //! The flags as they are spelt. [`super::job`] gives them their meaning.
 
+use super::frames::FrameFlags;
 use super::scene_flags::SceneFlags;
 use super::stopping::{MAP_COLORS, StoppingFlags};
 use super::talk::Verbosity;
@@ -50,6 +51,9 @@ pub(crate) struct RenderFlags {
     /// Its colours
     #[arg(long, requires = "sample_map", value_parser = values::one_of(MAP_COLORS), default_value = "viridis")]
     pub(crate) sample_map_colors: MapColors,
+
+    #[command(flatten)]
+    pub(crate) frames: FrameFlags,
 
     #[command(flatten)]
     pub(crate) job: JobFlags,

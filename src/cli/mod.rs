@@ -1,20 +1,25 @@
 //! The command line: raw flags become checked settings once, the library does
 //! the work. What was asked for goes to standard output, all else to standard error.
 
+mod batch;
 mod bench;
 mod compare;
 mod compare_flags;
 pub(crate) mod destination;
 mod devices;
+mod existing;
 pub(crate) mod flags;
+mod frames;
 mod info;
 pub(crate) mod job;
+mod names;
 pub(crate) mod output;
 mod progress;
 mod reference;
 mod render;
 pub(crate) mod report;
 pub(crate) mod scene_flags;
+mod session;
 pub(crate) mod signals;
 mod stats;
 pub(crate) mod stopping;

@@ -4,7 +4,7 @@ use super::destination::Picture;
 use super::report::Outcome;
 use super::talk;
 use super::values::{ACCELS, LIGHT_SELECTIONS, SAMPLERS, STRATEGIES, word_for};
-use super::{reference, stopping};
+use super::{existing, reference, stopping};
 use std::fmt::Write;
 use std::path::Path;
 use steradian::Result;
@@ -16,7 +16,8 @@ use steradian::image::{
 
 /// Writes the film's picture and what made it.
 pub(crate) fn write(picture: &Picture, outcome: &Outcome) -> Result<()> {
-    let metadata = metadata(outcome);
+    let mut metadata = metadata(outcome);
+    metadata.push(existing::request(picture, outcome.job, None));
     match picture.format {
         OutputFormat::Png => {
             let text = metadata.into_iter().map(|(name, value)| (name, as_text(value))).collect();

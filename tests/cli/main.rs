@@ -4,6 +4,7 @@
 mod bad_input;
 mod bench;
 mod flags;
+mod frames;
 mod pictures;
 mod reference;
 mod scene;
