@@ -69,7 +69,7 @@ impl Checkpoint {
         renderer: &mut Renderer,
     ) -> Result<Option<Self>> {
         let flags = &call.flags.farm;
-        let Some(path) = flags.checkpoint.clone() else { return Ok(None) };
+        let Some(path) = call.destinations.checkpoint.clone() else { return Ok(None) };
         let mut checkpoint = Self {
             path,
             interval: flags.checkpoint_every,
@@ -79,7 +79,7 @@ impl Checkpoint {
                 call.flags.job.picture.region(),
                 (&device.name, &device.driver),
             ),
-            shard: flags.shard,
+            shard: call.shard,
             verbosity: call.verbosity,
             is_on_disk: false,
         };

@@ -8,6 +8,7 @@ use steradian::{Error, Result};
 use super::film_output;
 use super::flags::RenderFlags;
 use super::layer_flags::{ExrOptions, STANDARD_OUTPUT};
+use super::names::Names;
 use super::{picture_layers, values};
 use clap::Args;
 
@@ -35,6 +36,8 @@ pub(crate) struct Destinations {
     pub(crate) picture: Option<Picture>,
     /// Sums for `steradian merge`, in place of the picture.
     pub(crate) film: Option<PathBuf>,
+    /// What is kept until the render is done.
+    pub(crate) checkpoint: Option<PathBuf>,
     /// Statistics.
     pub(crate) stats: Option<PathBuf>,
     /// Map of the samples taken.
@@ -43,10 +46,14 @@ pub(crate) struct Destinations {
 
 impl Destinations {
     /// Checks names, endings and folders.
-    pub(crate) fn check(flags: &RenderFlags) -> Result<Self> {
-        let film = flags.output.clone().filter(|path| film_output::is_film(path));
+    pub(crate) fn check(flags: &RenderFlags, names: &Names) -> Result<Self> {
+        let expand = |path: &Option<PathBuf>| path.as_ref().map(|p| names.expand(p)).transpose();
+        let (output, stats) = (expand(&flags.output)?, expand(&flags.stats)?);
+        let sample_map = expand(&flags.sample_map)?;
+        let checkpoint = expand(&flags.farm.checkpoint)?;
+        let film = output.clone().filter(|path| film_output::is_film(path));
         let png = &flags.job.picture.png;
-        let picture = match flags.output.as_deref().filter(|_| film.is_none()) {
+        let picture = match output.as_deref().filter(|_| film.is_none()) {
             None if png.are_given() => return Err(not_for_png()),
             None => None,
             Some(path) => {
@@ -56,7 +63,6 @@ impl Destinations {
         };
         let format = picture.as_ref().map(|p| p.format);
         picture_layers::check(&flags.layers, format, film.is_some(), flags.job.sampling.reference)?;
-        let sample_map = flags.sample_map.clone();
         if let Some(map) = &sample_map
             && OutputFormat::from_path(map)? != OutputFormat::Png
         {
@@ -64,10 +70,10 @@ impl Destinations {
             return Err(Error::Settings(message));
         }
         let named = [
-            ("--output", flags.output.as_ref()),
-            ("--stats", flags.stats.as_ref()),
+            ("--output", output.as_ref()),
+            ("--stats", stats.as_ref()),
             ("--sample-map", sample_map.as_ref()),
-            ("--checkpoint", flags.farm.checkpoint.as_ref()),
+            ("--checkpoint", checkpoint.as_ref()),
         ];
         for (i, (flag, path)) in named.iter().enumerate() {
             let Some(path) = path else { continue };
@@ -79,7 +85,14 @@ impl Destinations {
                 check_place(path)?;
             }
         }
-        Ok(Self { picture, film, stats: flags.stats.clone(), sample_map })
+        Ok(Self { picture, film, checkpoint, stats, sample_map })
+    }
+
+    /// All files that are there in the end.
+    pub(crate) fn paths(&self) -> impl Iterator<Item = &Path> {
+        let picture = self.picture.as_ref().map(|picture| picture.path.as_path());
+        let others = [self.film.as_deref(), self.stats.as_deref(), self.sample_map.as_deref()];
+        picture.into_iter().chain(others.into_iter().flatten())
     }
 }
 

@@ -31,11 +31,11 @@ pub(super) struct DeviceRender<'a> {
 }
 
 fn build(call: &Call, job: &Job) -> Result<(Arc<Device>, Renderer, Option<PictureLayers>)> {
-    let device = Arc::new(Device::open(call.flags.device.as_deref())?);
+    let device = call.session.device()?;
     let info = device.info();
     report::job(call.verbosity, job, &format!("{} {} ({})", info.index, info.name, info.driver));
     let renderer = while_busy(call.verbosity, "building trees, compiling shaders", || {
-        Renderer::new(device.clone(), &job.scene, &job.settings)
+        call.session.renderer(job)
     })?;
     let layers = PictureLayers::new(&call.flags.layers, job, renderer.prepared())?;
     Ok((device, renderer, layers))
@@ -63,6 +63,7 @@ impl<'a> DeviceRender<'a> {
             return self.give_up(message, checkpoint);
         }
         self.has_lost_device = true;
+        self.call.session.forget_device();
         talk::line(&format!("warning: {message}; opening the device again"));
         let (device, renderer, layers) = build(self.call, self.job)?;
         let lost = std::mem::replace(&mut self.renderer, renderer);

@@ -1,5 +1,6 @@
 //! `.film` output: the sums of a part of a render, for `steradian merge`.
 
+use super::destination::Destinations;
 use super::exr_file;
 use super::identity::Identity;
 use super::job::Job;
@@ -41,16 +42,19 @@ pub(super) struct PartHead {
     pub(super) spp: u32,
 }
 
+/// The only part.
+const WHOLE: Shard = Shard { index: 0, count: 1 };
+
 /// Whether the name asks for a film file.
 pub(super) fn is_film(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("film"))
 }
 
 /// That a render can be a film.
-pub(super) fn check(call: &Call, job: &Job) -> Result<()> {
+pub(super) fn check(shard: Option<Shard>, destinations: &Destinations, job: &Job) -> Result<()> {
     let refused = |message: &str| Err(Error::Settings(message.into()));
-    let is_film = call.destinations.film.is_some();
-    if call.flags.farm.shard.is_some() && !is_film {
+    let is_film = destinations.film.is_some();
+    if shard.is_some() && !is_film {
         return refused(
             "--shard: a part is a .film; name the output so, and `steradian merge` joins them",
         );
@@ -77,7 +81,7 @@ pub(super) fn write(path: &Path, call: &Call, outcome: &Outcome) -> Result<()> {
     let whole = RenderSettings { crop: region, ..job.settings.clone() };
     let head = PartHead {
         part: Identity::new(job, region, (outcome.device, outcome.driver)),
-        shard: call.flags.farm.shard.unwrap_or(Shard { index: 0, count: 1 }),
+        shard: call.shard.unwrap_or(WHOLE),
         resolution: whole.resolution,
         window: whole.window(),
         is_partial: outcome.is_partial(),
@@ -112,6 +116,20 @@ fn shape(layer: &Layer) -> (String, Vec<(String, bool)>) {
 
 fn section(layer: &str, channel: &str) -> String {
     format!("layer {layer} {channel}")
+}
+
+/// Whether the file at `path` is what this render would write, by whatever device.
+pub(super) fn is_valid(path: &Path, call: &Call, job: &Job) -> bool {
+    let flags = call.flags;
+    let Ok((head, _)) = read(path) else { return false };
+    let (device, driver) = (head.part.device.clone(), head.part.driver.clone());
+    let same = Identity::new(job, flags.job.picture.region(), (&device, &driver));
+    let shard = call.shard.unwrap_or(WHOLE);
+    let kinds = flags.layers.kinds();
+    same == head.part
+        && head.shard == shard
+        && !head.is_partial
+        && head.layers.iter().eq(kinds.iter().map(|kind| word_for(LAYERS, kind)))
 }
 
 /// Reads a part.

@@ -2,6 +2,7 @@
 
 use super::checkpoint::FarmFlags;
 use super::destination::PngFlags;
+use super::frames::FrameFlags;
 use super::layer_flags::LayerFlags;
 use super::scene_flags::SceneFlags;
 use super::stopping::{MAP_COLORS, StoppingFlags};
@@ -57,6 +58,9 @@ pub(crate) struct RenderFlags {
 
     #[command(flatten)]
     pub(crate) layers: LayerFlags,
+
+    #[command(flatten)]
+    pub(crate) frames: FrameFlags,
 
     #[command(flatten)]
     pub(crate) job: JobFlags,

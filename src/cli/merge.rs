@@ -1,6 +1,7 @@
 //! `steradian merge`: the parts of a render, joined to the bits of the whole.
 
 use super::destination::{self, Picture, PngFlags};
+use super::existing;
 use super::film_output::{self, PartHead};
 use super::layer_flags::{ExrOptions, LAYERS, PRECISIONS};
 use super::output::{self, Developed};
@@ -59,14 +60,17 @@ pub(crate) fn run(flags: &MergeFlags) -> Result<ExitCode> {
     check(&parts, flags.allow_mixed_devices)?;
     let (film, counts) = join(&parts)?;
     let head = &parts[0].head;
-    let kinds = LAYERS.iter().filter(|word| head.layers.iter().any(|name| name == word.0));
-    let kinds: Vec<_> = kinds.map(|word| word.1).collect();
+    let kind = |name: &String| LAYERS.iter().find(|word| word.0 == name).map(|word| word.1);
+    let kinds: Vec<_> = head.layers.iter().filter_map(kind).collect();
     let picture = picture(flags, &kinds)?;
     let traced = Traced::of(&parts)?;
+    let settings = u64::from_str_radix(&head.part.settings_hash, 16).unwrap_or_default();
+    let mut entries = metadata(&parts, &head.metadata, &film, &counts);
+    entries.push(existing::request_of_whole(&picture, settings, head.spp));
     let developed = Developed {
         film: &film,
         resolution: head.resolution,
-        metadata: metadata(&parts, &head.metadata, &film, &counts),
+        metadata: entries,
         exr_metadata: metadata(&parts, &head.exr_metadata, &film, &Counts::default()),
         render_seconds: counts.render_seconds,
         traced: &|band| Ok(traced.rows(band)),

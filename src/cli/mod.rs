@@ -1,6 +1,7 @@
 //! The command line: raw flags become checked settings once, the library does
 //! the work. What was asked for goes to standard output, all else to standard error.
 
+mod batch;
 mod bench;
 mod checkpoint;
 mod compare;
@@ -9,14 +10,17 @@ pub(crate) mod destination;
 mod device_render;
 mod devices;
 mod drill;
+mod existing;
 mod exr_file;
 mod film_output;
 pub(crate) mod flags;
+mod frames;
 mod identity;
 mod info;
 pub(crate) mod job;
 pub(crate) mod layer_flags;
 mod merge;
+mod names;
 pub(crate) mod output;
 mod picture_layers;
 mod progress;
@@ -25,7 +29,7 @@ mod render;
 pub(crate) mod report;
 mod rescue;
 pub(crate) mod scene_flags;
-
+mod session;
 mod shard;
 pub(crate) mod signals;
 mod stats;

@@ -5,7 +5,7 @@ use super::picture_layers::deliver;
 use super::report::Outcome;
 use super::talk;
 use super::values::{ACCELS, LIGHT_SELECTIONS, SAMPLERS, STRATEGIES, word_for};
-use super::{exr_file, reference, stopping};
+use super::{existing, exr_file, reference, stopping};
 use std::fmt::Write;
 use std::path::Path;
 use steradian::Result;
@@ -21,10 +21,12 @@ pub(crate) fn write(picture: &Picture, outcome: &Outcome) -> Result<()> {
         Some(layers) => layers.tracer().trace(band),
         None => Ok(Vec::new()),
     };
+    let mut metadata = metadata(outcome);
+    metadata.push(existing::request(picture, outcome.job, None));
     let developed = Developed {
         film: outcome.film,
         resolution: outcome.job.settings.resolution,
-        metadata: metadata(outcome),
+        metadata,
         exr_metadata: exr_file::metadata(outcome),
         render_seconds: outcome.statistics.render_seconds,
         traced: &traced,

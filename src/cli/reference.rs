@@ -4,7 +4,6 @@ use super::job::Job;
 use super::progress::{Progress, while_busy};
 use super::render::Call;
 use super::report::{self, Outcome};
-use super::signals::StopRequest;
 use super::talk;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -26,7 +25,7 @@ pub(super) fn run(call: &Call, job: &Job) -> Result<ExitCode> {
     let bvh_seconds = begin.elapsed().as_secs_f64();
     verbosity.detail(&format!("tree built in {}", talk::duration(bvh_seconds)));
 
-    let stop = StopRequest::listen()?;
+    let stop = call.session.stop()?;
     let mut progress = Progress::start(verbosity);
     let begin = Instant::now();
     let (film, tally) = reference.render(|done| {

@@ -6,49 +6,57 @@ use super::device_render::DeviceRender;
 use super::flags::RenderFlags;
 use super::job::Job;
 use super::layer_flags::STANDARD_OUTPUT;
-use super::progress::{Progress, while_busy};
+use super::progress::Progress;
 use super::report::{self, Outcome};
 use super::rescue::or_elsewhere;
-use super::signals::StopRequest;
+use super::session::Session;
+use super::shard::Shard;
 use super::talk::Verbosity;
-use super::{film_output, output, reference, shard, stats, view};
+use super::{batch, film_output, output, reference, stats, view};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
+use steradian::Result;
 use steradian::view::Source;
-use steradian::{Error, Result};
 
 /// One call of `steradian render`.
 pub(super) struct Call<'a> {
-    start: Instant,
+    pub(super) start: Instant,
+    pub(super) session: &'a Session<'a>,
     pub(super) flags: &'a RenderFlags,
+    /// The part of the frame that is rendered.
+    pub(super) shard: Option<Shard>,
     pub(super) destinations: Destinations,
     pub(super) verbosity: Verbosity,
 }
 
-/// Renders, writes what was asked for, and says what came of it.
+/// Renders the frames that are asked for.
 pub(super) fn run(flags: &RenderFlags) -> Result<ExitCode> {
-    let start = Instant::now();
-    let verbosity = flags.verbosity();
-    let destinations = Destinations::check(flags)?;
-    let call = Call { start, flags, destinations, verbosity };
     view::check(flags)?;
-    use_threads(flags.threads)?;
-    let job = while_busy(verbosity, "reading the scene", || Job::new(&flags.scene, &flags.job))?;
-    if let Some(view) = flags.job.picture.view.filter(|view| view.source() == Source::FirstHits) {
-        return view::run(&call, &job, view);
+    let mut frames = flags.frames.list(flags.job.scene.frame_time);
+    let shard = flags.farm.shard;
+    if frames.len() == 1 {
+        return batch::run(flags, &frames, shard);
     }
-    if job.is_reference { reference::run(&call, &job) } else { run_on_device(&call, job) }
+    // Many frames are shared out whole.
+    if let Some(shard) = shard {
+        frames = shard.of_list(&frames);
+    }
+    batch::run(flags, &frames, None)
 }
 
-fn run_on_device(call: &Call, mut job: Job) -> Result<ExitCode> {
-    if let Some(shard) = call.flags.farm.shard {
-        shard::apply(&mut job, shard)?;
+/// Renders, writes what was asked for, and says what came of it.
+pub(super) fn run_frame(call: &Call, job: &Job) -> Result<ExitCode> {
+    if let Some(view) = call.flags.job.picture.view.filter(|v| v.source() == Source::FirstHits) {
+        return view::run(call, job, view);
     }
-    film_output::check(call, &job)?;
-    let mut render = DeviceRender::open(call, &job)?;
-    let mut checkpoint = Checkpoint::begin(call, &job, render.device.info(), &mut render.renderer)?;
-    let stop = StopRequest::listen()?;
+    if job.is_reference { reference::run(call, job) } else { run_on_device(call, job) }
+}
+
+fn run_on_device(call: &Call, job: &Job) -> Result<ExitCode> {
+    let mut render = DeviceRender::open(call, job)?;
+    let mut checkpoint = Checkpoint::begin(call, job, render.device.info(), &mut render.renderer)?;
+    let stop = call.session.stop()?;
     report::renderer(call.verbosity, render.renderer.statistics());
     let mut progress = Progress::start(call.verbosity);
     // At least one step, so that there is a picture however early the signal comes.
@@ -73,8 +81,15 @@ impl Call<'_> {
         Ok(outcome.stop_code.map_or(ExitCode::SUCCESS, ExitCode::from))
     }
 
+    /// The picture is written last: where it is there, the others are.
     pub(super) fn write(&self, outcome: &Outcome) -> Result<()> {
         let (flags, destinations) = (self.flags, &self.destinations);
+        if let Some(path) = &destinations.sample_map {
+            output::write_sample_map(path, flags.sample_map_colors, outcome)?;
+        }
+        if let Some(path) = &destinations.stats {
+            stats::write(path, outcome)?;
+        }
         if let Some(picture) = &destinations.picture {
             match flags.job.picture.view {
                 Some(view) => {
@@ -91,22 +106,9 @@ impl Call<'_> {
         if let Some(path) = &destinations.film {
             or_elsewhere(path, |path| film_output::write(path, self, outcome))?;
         }
-        if let Some(path) = &destinations.sample_map {
-            output::write_sample_map(path, flags.sample_map_colors, outcome)?;
-        }
-        if let Some(path) = &destinations.stats {
-            stats::write(path, outcome)?;
-        }
         match flags.job.picture.pixel {
             Some(pixel) => output::print_pixel((pixel.x, pixel.y), outcome),
             None => Ok(()),
         }
     }
-}
-
-/// Sets the size of the pool that the library's parallel loops run on.
-fn use_threads(count: Option<u16>) -> Result<()> {
-    let Some(count) = count else { return Ok(()) };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(count.into());
-    pool.build_global().map_err(|e| Error::Settings(format!("--threads {count}: {e}")))
 }

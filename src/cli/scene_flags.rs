@@ -20,7 +20,7 @@ pub(crate) struct SceneFlags {
     pub(crate) frame_time: Option<f64>,
 
     /// Which of the scene's animations: its name, its number, or `all`
-    #[arg(long, value_name = "NAME|INDEX", requires = "frame_time")]
+    #[arg(long, value_name = "NAME|INDEX")]
     pub(crate) animation: Option<String>,
 
     /// Materials of this variant of the file (KHR_materials_variants)

@@ -18,6 +18,13 @@ pub(crate) struct Shard {
     pub(crate) count: u32,
 }
 
+impl Shard {
+    /// Every so many of a list: so that what is costly next to each other is shared.
+    pub(crate) fn of_list<T: Clone>(&self, list: &[T]) -> Vec<T> {
+        list.iter().skip(self.index as usize).step_by(self.count as usize).cloned().collect()
+    }
+}
+
 impl fmt::Display for Shard {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "{}/{}", self.index, self.count)

@@ -1,6 +1,7 @@
 //! `steradian render --view`: something else than light.
 
 use super::destination::Picture;
+use super::existing;
 use super::flags::RenderFlags;
 use super::job::Job;
 use super::output::metadata;
@@ -11,8 +12,7 @@ use super::report::{self, Outcome};
 use super::talk;
 use super::values::{SAMPLERS, VIEWS, word_for};
 use std::process::ExitCode;
-use std::sync::Arc;
-use steradian::gpu::{Device, DeviceInfo};
+use steradian::gpu::DeviceInfo;
 use steradian::image::{
     Attribute, ExrImage, OutputFormat, PngOptions, Precision, write_exr, write_png,
 };
@@ -52,7 +52,7 @@ pub(super) fn check(flags: &RenderFlags) -> Result<()> {
 /// Traces camera rays and writes the view of what they meet.
 pub(super) fn run(call: &Call, job: &Job, view: View) -> Result<ExitCode> {
     let verbosity = call.verbosity;
-    let device = Arc::new(Device::open(call.flags.device.as_deref())?);
+    let device = call.session.device()?;
     let info = device.info();
     report::job(verbosity, job, &format!("{} {} ({})", info.index, info.name, info.driver));
     let rays = call.flags.job.stopping.spp.unwrap_or(DEFAULT_RAYS);
@@ -72,8 +72,9 @@ pub(super) fn run(call: &Call, job: &Job, view: View) -> Result<ExitCode> {
     let Some(shown) = of_first_hits(view, hits.hits(), (window.width, window.height)) else {
         return Err(no_numbers(view));
     };
-    let entries = of_rays(job, info, rays);
     let Some(picture) = &call.destinations.picture else { return Ok(ExitCode::SUCCESS) };
+    let mut entries = of_rays(job, info, rays);
+    entries.push(existing::request(picture, job, Some(view)));
     verbosity.say(&shown.legend);
     write(picture, view, shown, entries, (job.settings.resolution, window))?;
     Ok(ExitCode::SUCCESS)
@@ -85,6 +86,7 @@ pub(crate) fn of_rays(job: &Job, info: &DeviceInfo, rays: u32) -> Vec<(String, A
     let entries = [
         ("version", text(env!("CARGO_PKG_VERSION"))),
         ("scene", text(&job.scene.name)),
+        ("scene_hash", text(&format!("{:016x}", job.scene.content_hash(job.settings.camera)))),
         ("device", text(&info.name)),
         ("driver", text(&info.driver)),
         ("spp", Attribute::Number(rays.into())),
@@ -102,7 +104,9 @@ pub(crate) fn write_of_film(picture: &Picture, view: View, outcome: &Outcome) ->
     let shown = of_film(view, film, limit).ok_or_else(|| no_numbers(view))?;
     let legend = shown.legend.clone();
     let place = (outcome.job.settings.resolution, film.window());
-    write(picture, view, shown, metadata(outcome), place)?;
+    let mut entries = metadata(outcome);
+    entries.push(existing::request(picture, outcome.job, Some(view)));
+    write(picture, view, shown, entries, place)?;
     Ok(legend)
 }
 

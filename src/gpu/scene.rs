@@ -7,6 +7,7 @@ use super::world::{Emitter, TreeWidth, World};
 use super::{
     BufferFacts, Device, DeviceInfo, GpuLight, GpuMaterial, albedos, environment, lights, materials,
 };
+use crate::bvh::KeptTrees;
 use crate::scene::Scene;
 use crate::settings::RenderSettings;
 use crate::shader::generated::{LIGHT_SLOTS, MATERIAL_SLOTS};
@@ -48,7 +49,20 @@ impl SceneBuffers {
     /// # Errors
     /// [`crate::Error::Limit`].
     pub fn build(scene: &Scene, settings: &RenderSettings, width: TreeWidth) -> Result<Self> {
-        let world = World::build(scene, settings.accel, width)?;
+        Self::build_with(scene, settings, width, None)
+    }
+
+    /// [`SceneBuffers::build`] with the trees that are kept.
+    ///
+    /// # Errors
+    /// As [`SceneBuffers::build`].
+    pub fn build_with(
+        scene: &Scene,
+        settings: &RenderSettings,
+        width: TreeWidth,
+        kept: Option<&KeptTrees>,
+    ) -> Result<Self> {
+        let world = World::build_with(scene, settings.accel, width, kept)?;
         let features = Features::of(scene, settings);
         let has_tree = Features::has_light_tree(scene, settings);
         let choosing = lights::Choosing { selection: settings.light_selection, has_tree };

@@ -7,8 +7,8 @@
 use super::wide::WideTree;
 use super::world_source::{Sources, Triangle};
 use crate::bvh::{
-    Aabb, BuildItem, Bvh, BvhChild, LEAF_BIT, LEAF_FIRST_MASK, LEAF_KIND_MASK, LEAF_KIND_SHIFT,
-    PrimitiveKind, build_median, build_sah,
+    Aabb, BuildItem, Bvh, BvhChild, KeptTrees, LEAF_BIT, LEAF_FIRST_MASK, LEAF_KIND_MASK,
+    LEAF_KIND_SHIFT, PrimitiveKind, build_median, build_sah,
 };
 use crate::scene::Scene;
 use crate::settings::Accel;
@@ -16,6 +16,7 @@ use crate::shader::generated::{PRIMITIVE_HAS_ALPHA, PRIMITIVE_IS_CULLED, TREE_RE
 use crate::{Error, Result};
 use glam::{Affine3A, Vec3};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// What stack sizes are multiples of. Workgroups of 64 then take 2 KiB more at a time, and scenes
 /// share the kernels that their drivers have compiled.
@@ -104,7 +105,7 @@ type Record = [[u32; 4]; 3];
 
 /// A tree and where its primitives' records begin.
 struct Tree {
-    bvh: Bvh,
+    bvh: Arc<Bvh>,
     first_record: u32,
 }
 
@@ -123,6 +124,19 @@ impl World {
     /// # Errors
     /// [`Error::Limit`] if there are more primitives than a tree can address.
     pub fn build(scene: &Scene, accel: Accel, width: TreeWidth) -> Result<Self> {
+        Self::build_with(scene, accel, width, None)
+    }
+
+    /// [`World::build`] with the trees that are kept, which are then this scene's.
+    ///
+    /// # Errors
+    /// As [`World::build`].
+    pub fn build_with(
+        scene: &Scene,
+        accel: Accel,
+        width: TreeWidth,
+        kept: Option<&KeptTrees>,
+    ) -> Result<Self> {
         let sources = Sources::gather(scene, accel != Accel::None);
         let limit = crate::bvh::MAX_ITEMS;
         if sources.count() > limit {
@@ -143,7 +157,8 @@ impl World {
             world.primitives.extend(sources.sphere_records().into_iter().flatten());
             return Ok(world);
         }
-        world.build_trees(scene, &sources, accel);
+        world.build_trees(scene, &sources, accel, kept);
+        kept.inspect(|kept| kept.end_scene());
         Ok(world)
     }
 
@@ -161,10 +176,22 @@ impl World {
         self.statistics
     }
 
-    fn build_trees(&mut self, scene: &Scene, sources: &Sources, accel: Accel) {
-        let build = |items: &[BuildItem]| match accel {
-            Accel::Median => build_median(items),
-            Accel::Bvh | Accel::None => build_sah(items),
+    fn build_trees(
+        &mut self,
+        scene: &Scene,
+        sources: &Sources,
+        accel: Accel,
+        kept: Option<&KeptTrees>,
+    ) {
+        let build = |items: &[BuildItem]| {
+            let build = match accel {
+                Accel::Median => build_median,
+                Accel::Bvh | Accel::None => build_sah,
+            };
+            match kept {
+                Some(kept) => kept.tree(items, accel as u64, build),
+                None => Arc::new(build(items)),
+            }
         };
         let record_words = (1 + sources.instances.len()) * TREE_RECORD_SIZE as usize;
         self.nodes = vec![[0; 4]; record_words];

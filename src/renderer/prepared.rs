@@ -2,6 +2,7 @@
 
 use super::RenderStatistics;
 use crate::Result;
+use crate::bvh::KeptTrees;
 use crate::gpu::{Device, DeviceKind, GpuScene, SceneBuffers, TreeWidth};
 use crate::passes::FloatEnvironment;
 use crate::scene::Scene;
@@ -30,11 +31,24 @@ impl PreparedScene {
     /// # Errors
     /// [`crate::Error::Limit`], [`crate::Error::DeviceLost`].
     pub fn new(device: Arc<Device>, scene: &Scene, settings: &RenderSettings) -> Result<Self> {
+        Self::with_trees(device, scene, settings, None)
+    }
+
+    /// [`PreparedScene::new`] with the trees of the frame before where they are those of this one.
+    ///
+    /// # Errors
+    /// As [`PreparedScene::new`].
+    pub fn with_trees(
+        device: Arc<Device>,
+        scene: &Scene,
+        settings: &RenderSettings,
+        kept: Option<&KeptTrees>,
+    ) -> Result<Self> {
         let begin = Instant::now();
         let accel = settings.accel;
         let has_packets = device.traces_packets() && accel != Accel::None;
         let width = if has_packets { TreeWidth::Four } else { TreeWidth::Two };
-        let built = SceneBuffers::build(scene, settings, width)?;
+        let built = SceneBuffers::build_with(scene, settings, width, kept)?;
         let bvh_seconds = begin.elapsed().as_secs_f64();
         let buffers = built.upload(&device)?;
         let world = built.world.statistics();

@@ -220,6 +220,14 @@ fn what_cannot_be_cut_is_refused() {
     };
     assert!(refused(&program, &with("a.film", &["--noise", "0.1"]), 2).contains("--frames"));
     assert!(refused(&program, &with("a.film", &["--time", "9s"]), 2).contains("--spp"));
+    // Frames are shared out whole, whatever stops their pixels.
+    let frames =
+        ["render", CORNELL_BOX, "-q", "-o", "f.png", "--resolution", "8x8", "--noise", "0.5"];
+    program.succeed(&[&frames[..], &["--shard", "1/2", "--frames", "3-7"]].concat());
+    assert_eq!(program.files(), ["f.0004.png", "f.0006.png"]);
+    for name in program.files() {
+        fs::remove_file(program.path(&name)).unwrap();
+    }
     assert!(refused(&program, &with("a.exr", &[]), 2).contains(".film"));
     let many = ["render", CORNELL_BOX, "-o", "a.film", "--resolution", "8x8", "--shard", "1/99"];
     assert!(refused(&program, &many, 2).contains("--block"));

@@ -5,6 +5,7 @@ mod bad_input;
 mod bench;
 mod farm;
 mod flags;
+mod frames;
 mod layers;
 mod pictures;
 mod reference;

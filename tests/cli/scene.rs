@@ -38,6 +38,43 @@ pub(crate) fn triangle() -> Value {
     })
 }
 
+/// As [`triangle`], moving: within a second by 1 along x. The camera "near" moves with it for the
+/// second second.
+pub(crate) fn moving_triangle() -> Value {
+    let mut scene = triangle();
+    let times = [0.0_f32, 1.0, 2.0];
+    let triangle = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
+    let camera = [[0.0_f32, 0.0, 4.0], [0.0, 0.0, 4.0], [1.0, 0.0, 4.0]];
+    let floats = times.into_iter().chain(triangle.into_iter().chain(camera).flatten());
+    let bytes: Vec<u8> = floats.flat_map(f32::to_le_bytes).collect();
+    let uri = format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(&bytes));
+    let list = |name: &str| scene[name].as_array().unwrap().clone();
+    let mut buffers = list("buffers");
+    buffers.push(json!({ "byteLength": bytes.len(), "uri": uri }));
+    let mut views = list("bufferViews");
+    let mut accessors = list("accessors");
+    for (view, (offset, size)) in [(0, 12), (12, 36), (48, 36)].into_iter().enumerate() {
+        views.push(json!({ "buffer": 1, "byteOffset": offset, "byteLength": size }));
+        let kind = if view == 0 { "SCALAR" } else { "VEC3" };
+        accessors.push(json!({
+            "bufferView": 1 + view, "componentType": 5126, "count": 3, "type": kind
+        }));
+    }
+    accessors[1]["min"] = json!([0.0]);
+    accessors[1]["max"] = json!([2.0]);
+    scene["buffers"] = json!(buffers);
+    scene["bufferViews"] = json!(views);
+    scene["accessors"] = json!(accessors);
+    scene["animations"] = json!([{
+        "samplers": [{ "input": 1, "output": 2 }, { "input": 1, "output": 3 }],
+        "channels": [
+            { "sampler": 0, "target": { "node": 0, "path": "translation" } },
+            { "sampler": 1, "target": { "node": 1, "path": "translation" } }
+        ]
+    }]);
+    scene
+}
+
 /// As [`triangle`], with an extension that Steradian does not know.
 pub(crate) fn triangle_with_unknown_extension() -> Value {
     let mut scene = triangle();

@@ -10,6 +10,16 @@ use steradian::image::{Attribute, ChannelData, read_exr, read_png};
 /// Starts a render that would take days, stops it when it has begun to trace,
 /// and gives the exit code.
 fn interrupt(program: &Program, signal: &str, picture: &str, more: &[&str]) -> Option<i32> {
+    interrupt_saying(program, signal, picture, more).0
+}
+
+/// [`interrupt`], and what was said afterwards.
+fn interrupt_saying(
+    program: &Program,
+    signal: &str,
+    picture: &str,
+    more: &[&str],
+) -> (Option<i32>, String) {
     let flags = ["--resolution", "32x32", "--spp", "1000000000", "--stats", "s.json", "-v"];
     let arguments = [&["render", QUAD_LIGHT, "-o", picture], &flags[..], more].concat();
     let mut child = program.command(&arguments).stderr(Stdio::piped()).spawn().unwrap();
@@ -24,8 +34,20 @@ fn interrupt(program: &Program, signal: &str, picture: &str, more: &[&str]) -> O
     assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
     let mut rest = String::new();
     said.read_to_string(&mut rest).unwrap();
-    assert!(rest.contains(&format!("partial picture {picture}")), "{rest}");
-    child.wait().unwrap().code()
+    assert!(
+        rest.contains(&format!("partial picture {}", picture.split('.').next().unwrap())),
+        "{rest}"
+    );
+    (child.wait().unwrap().code(), rest)
+}
+
+#[test]
+fn frames_after_a_signal_are_not_begun() {
+    let program = Program::new();
+    let (code, said) = interrupt_saying(&program, "INT", "a.exr", &["--frames", "4,5,6"]);
+    assert_eq!(code, Some(130));
+    assert!(said.contains("stopped: 2 frames not begun"), "{said}");
+    assert_eq!(program.files(), ["a.0004.exr", "s.0004.json"]);
 }
 
 #[test]
