@@ -58,10 +58,14 @@ impl Destinations {
             let message = format!("{}: --sample-map writes a .png", map.display());
             return Err(Error::Settings(message));
         }
+        let has_second = is_png && flags.layers.denoise.is_some();
+        let denoised =
+            flags.output.as_deref().filter(|_| has_second).map(picture_layers::denoised_path);
         let named = [
             ("--output", flags.output.as_ref()),
             ("--stats", flags.stats.as_ref()),
             ("--sample-map", sample_map.as_ref()),
+            ("--denoise", denoised.as_ref()),
         ];
         for (i, (flag, path)) in named.iter().enumerate() {
             let Some(path) = path else { continue };

@@ -2,7 +2,6 @@
 
 use super::destination::Picture as Destination;
 use super::report::Outcome;
-use super::talk;
 use std::time::{SystemTime, UNIX_EPOCH};
 use steradian::Result;
 use steradian::image::{Attribute, ChannelData, ExrHeader, Layer, Picture, write_exr_bands};
@@ -22,7 +21,7 @@ pub(super) fn write(
     let (picture, errors) = (film.picture(), film.standard_error());
     let mut all = metadata;
     all.extend(standard(outcome));
-    all.extend(outcome.layers.iter().flat_map(|layers| layers.tracer().metadata()));
+    all.extend(outcome.layers.iter().flat_map(|layers| layers.metadata()));
     if to.exr.times {
         all.extend(times(outcome.statistics.render_seconds, SystemTime::now()));
     }
@@ -33,18 +32,17 @@ pub(super) fn write(
         metadata: all.into_iter().collect(),
         precision: to.exr.precision,
     };
+    let denoised = outcome.layers.map_or(Ok(None), |l| l.denoised(&picture, window))?;
     write_exr_bands(&to.path, &header, BAND_PIXELS / window.width, |band| {
         let mut layers = vec![colors("", &picture, window, band)];
+        layers.extend(denoised.iter().map(|p| colors("denoised", p, window, band)));
         layers.extend(film_layers(film, errors.as_deref(), &to.exr.layers, band));
         if let Some(traced) = outcome.layers {
-            layers.extend(traced.tracer().trace(band)?);
+            layers.extend(traced.trace(band)?);
         }
         Ok(layers)
     })?;
-    let faulty = outcome.layers.map_or(0, |layers| layers.tracer().faulty_pixels());
-    if faulty > 0 {
-        talk::line(&format!("warning: layers: the walk failed for rays of {faulty} pixels"));
-    }
+    outcome.layers.inspect(|layers| layers.warn());
     Ok(())
 }
 

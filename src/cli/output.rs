@@ -1,7 +1,7 @@
 //! The picture in a file, or one pixel as text.
 
 use super::destination::Picture;
-use super::picture_layers::deliver;
+use super::picture_layers::{deliver, denoised_path};
 use super::report::Outcome;
 use super::talk;
 use super::values::{ACCELS, LIGHT_SELECTIONS, SAMPLERS, STRATEGIES, word_for};
@@ -20,7 +20,14 @@ pub(crate) fn write(picture: &Picture, outcome: &Outcome) -> Result<()> {
                 metadata.into_iter().map(|(name, value)| (name, value.to_string())).collect();
             let Picture { depth, exposure_ev, tone_curve, .. } = *picture;
             let options = PngOptions { depth, exposure_ev, tone_curve, text };
-            write_png(&picture.path, &outcome.film.picture(), &options)
+            let noisy = outcome.film.picture();
+            write_png(&picture.path, &noisy, &options)?;
+            let Some(layers) = outcome.layers else { return Ok(()) };
+            let Some(denoised) = layers.denoised(&noisy, outcome.film.window())? else {
+                return Ok(());
+            };
+            layers.warn();
+            write_png(&denoised_path(&picture.path), &denoised, &options)
         }
         OutputFormat::Exr => exr_file::write(picture, outcome, metadata),
     })

@@ -63,7 +63,7 @@ fn run_on_device(call: &Call, job: &Job) -> Result<ExitCode> {
         driver: &info.driver,
         film: renderer.film(),
         statistics: renderer.statistics(),
-        layers: layers.as_ref(),
+        layers: Some(&layers),
         stop_code: stop.exit_code(),
     })
 }
