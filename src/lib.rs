@@ -22,6 +22,7 @@
 
 pub mod bench;
 pub mod bvh;
+pub mod denoise;
 pub mod error;
 pub mod film;
 pub mod gpu;

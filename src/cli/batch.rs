@@ -48,7 +48,7 @@ pub(super) fn run(flags: &RenderFlags, frames: &[Frame], shard: Option<Shard>) -
         if let Some(shard) = shard {
             shard::apply(&mut job, shard)?;
         }
-        film_output::check(shard, &destinations, &job)?;
+        film_output::check(flags, shard, &destinations, &job)?;
         let call = Call { start, session: &session, flags, shard, destinations, verbosity };
         if flags.frames.skip_existing && existing::is_valid(&call, &job) {
             skipped += 1;

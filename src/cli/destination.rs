@@ -69,11 +69,14 @@ impl Destinations {
             let message = format!("{}: --sample-map writes a .png", map.display());
             return Err(Error::Settings(message));
         }
+        let has_second = format == Some(OutputFormat::Png) && flags.layers.denoise.is_some();
+        let denoised = output.as_deref().filter(|_| has_second).map(picture_layers::denoised_path);
         let named = [
             ("--output", output.as_ref()),
             ("--stats", stats.as_ref()),
             ("--sample-map", sample_map.as_ref()),
             ("--checkpoint", checkpoint.as_ref()),
+            ("--denoise", denoised.as_ref()),
         ];
         for (i, (flag, path)) in named.iter().enumerate() {
             let Some(path) = path else { continue };

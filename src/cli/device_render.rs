@@ -25,12 +25,12 @@ pub(super) struct DeviceRender<'a> {
     job: &'a Job,
     pub(super) device: Arc<Device>,
     pub(super) renderer: Renderer,
-    layers: Option<PictureLayers>,
+    layers: PictureLayers,
     drill: Drill,
     has_lost_device: bool,
 }
 
-fn build(call: &Call, job: &Job) -> Result<(Arc<Device>, Renderer, Option<PictureLayers>)> {
+fn build(call: &Call, job: &Job) -> Result<(Arc<Device>, Renderer, PictureLayers)> {
     let device = call.session.device()?;
     let info = device.info();
     report::job(call.verbosity, job, &format!("{} {} ({})", info.index, info.name, info.driver));
@@ -112,7 +112,7 @@ impl<'a> DeviceRender<'a> {
             driver: &info.driver,
             film: self.renderer.film(),
             statistics: self.renderer.statistics(),
-            layers: self.layers.as_ref(),
+            layers: Some(&self.layers),
             is_snapshot: false,
             stop_code,
         }

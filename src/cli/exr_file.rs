@@ -28,8 +28,10 @@ pub(super) fn write(to: &Destination, of: &Developed) -> Result<()> {
         metadata: all.into_iter().collect(),
         precision: to.exr.precision,
     };
+    let denoised = (of.denoised)(&picture)?;
     write_exr_bands(&to.path, &header, BAND_PIXELS / window.width, |band| {
         let mut layers = vec![colors("", &picture, window, band)];
+        layers.extend(denoised.iter().map(|p| colors("denoised", p, window, band)));
         layers.extend(film_layers(film, errors.as_deref(), &to.exr.layers, band));
         layers.extend((of.traced)(band)?);
         Ok(layers)
@@ -39,7 +41,7 @@ pub(super) fn write(to: &Destination, of: &Developed) -> Result<()> {
 /// Attributes of an EXR beside those of any file.
 pub(super) fn metadata(outcome: &Outcome) -> Vec<(String, Attribute)> {
     let mut all = standard(outcome);
-    all.extend(outcome.layers.iter().flat_map(|layers| layers.tracer().metadata()));
+    all.extend(outcome.layers.iter().flat_map(|layers| layers.metadata()));
     all
 }
 

@@ -2,6 +2,7 @@
 
 use super::destination::Destinations;
 use super::exr_file;
+use super::flags::RenderFlags;
 use super::identity::Identity;
 use super::job::Job;
 use super::layer_flags::LAYERS;
@@ -51,13 +52,21 @@ pub(super) fn is_film(path: &Path) -> bool {
 }
 
 /// That a render can be a film.
-pub(super) fn check(shard: Option<Shard>, destinations: &Destinations, job: &Job) -> Result<()> {
+pub(super) fn check(
+    flags: &RenderFlags,
+    shard: Option<Shard>,
+    destinations: &Destinations,
+    job: &Job,
+) -> Result<()> {
     let refused = |message: &str| Err(Error::Settings(message.into()));
     let is_film = destinations.film.is_some();
     if shard.is_some() && !is_film {
         return refused(
             "--shard: a part is a .film; name the output so, and `steradian merge` joins them",
         );
+    }
+    if is_film && flags.layers.denoise.is_some() {
+        return refused("--denoise: a .film holds sums; denoise the picture of the whole");
     }
     if is_film && (job.settings.stopping_rule().is_some() || job.is_reference) {
         return refused(
@@ -73,7 +82,7 @@ pub(super) fn write(path: &Path, call: &Call, outcome: &Outcome) -> Result<()> {
     // Of parts of the samples, the first has the layers.
     let has_layers = job.settings.samples().first == 0;
     let traced = match outcome.layers.filter(|_| has_layers) {
-        Some(layers) => layers.tracer().trace(film.window())?,
+        Some(layers) => layers.trace(film.window())?,
         None => Vec::new(),
     };
     let kinds = call.flags.layers.kinds();

@@ -74,6 +74,7 @@ pub(crate) fn run(flags: &MergeFlags) -> Result<ExitCode> {
         exr_metadata: metadata(&parts, &head.exr_metadata, &film, &Counts::default()),
         render_seconds: counts.render_seconds,
         traced: &|band| Ok(traced.rows(band)),
+        denoised: &|_| Ok(None),
     };
     developed.write(&picture)?;
     if !flags.quiet {

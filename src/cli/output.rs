@@ -1,7 +1,7 @@
 //! The picture in a file, or one pixel as text.
 
 use super::destination::Picture;
-use super::picture_layers::deliver;
+use super::picture_layers::{deliver, denoised_path};
 use super::report::Outcome;
 use super::talk;
 use super::values::{ACCELS, LIGHT_SELECTIONS, SAMPLERS, STRATEGIES, word_for};
@@ -11,16 +11,15 @@ use std::path::Path;
 use steradian::Result;
 use steradian::film::Film;
 use steradian::image::{
-    Attribute, Layer, MapColors, OutputFormat, PngOptions, sample_map, write_png,
+    self, Attribute, Layer, MapColors, OutputFormat, PngOptions, sample_map, write_png,
 };
 use steradian::settings::Crop;
 
 /// Writes the film's picture and what made it.
 pub(crate) fn write(picture: &Picture, outcome: &Outcome) -> Result<()> {
-    let traced = |band| match outcome.layers {
-        Some(layers) => layers.tracer().trace(band),
-        None => Ok(Vec::new()),
-    };
+    let (layers, window) = (outcome.layers, outcome.film.window());
+    let traced = |band| layers.map_or(Ok(Vec::new()), |layers| layers.trace(band));
+    let denoised = |noisy: &_| layers.map_or(Ok(None), |layers| layers.denoised(noisy, window));
     let mut metadata = metadata(outcome);
     metadata.push(existing::request(picture, outcome.job, None));
     let developed = Developed {
@@ -30,12 +29,10 @@ pub(crate) fn write(picture: &Picture, outcome: &Outcome) -> Result<()> {
         exr_metadata: exr_file::metadata(outcome),
         render_seconds: outcome.statistics.render_seconds,
         traced: &traced,
+        denoised: &denoised,
     };
     developed.write(picture)?;
-    let faulty = outcome.layers.map_or(0, |layers| layers.tracer().faulty_pixels());
-    if faulty > 0 {
-        talk::line(&format!("warning: layers: the walk failed for rays of {faulty} pixels"));
-    }
+    layers.inspect(|layers| layers.warn());
     Ok(())
 }
 
@@ -51,6 +48,8 @@ pub(super) struct Developed<'a> {
     pub(super) render_seconds: f64,
     /// Layers of a band of the picture that camera rays tell of.
     pub(super) traced: &'a dyn Fn(Crop) -> Result<Vec<Layer>>,
+    /// A picture without its noise, if that is asked for.
+    pub(super) denoised: &'a dyn Fn(&image::Picture) -> Result<Option<image::Picture>>,
 }
 
 impl Developed<'_> {
@@ -62,7 +61,12 @@ impl Developed<'_> {
                 let text = self.metadata.iter().map(entry).collect();
                 let Picture { depth, exposure_ev, tone_curve, .. } = *picture;
                 let options = PngOptions { depth, exposure_ev, tone_curve, text };
-                write_png(&picture.path, &self.film.picture(), &options)
+                let noisy = self.film.picture();
+                write_png(&picture.path, &noisy, &options)?;
+                match (self.denoised)(&noisy)? {
+                    Some(denoised) => write_png(&denoised_path(&picture.path), &denoised, &options),
+                    None => Ok(()),
+                }
             }
             OutputFormat::Exr => exr_file::write(picture, self),
         })

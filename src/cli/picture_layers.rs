@@ -2,15 +2,18 @@
 
 use super::destination::Picture as Destination;
 use super::job::Job;
-use super::layer_flags::{LayerFlags, STANDARD_OUTPUT};
+use super::layer_flags::{Denoiser, LayerFlags, STANDARD_OUTPUT};
+use super::talk;
 use std::cell::RefCell;
 use std::fs::File;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use steradian::image::OutputFormat;
-use steradian::layers::LayerTracer;
+use steradian::denoise::{Guides, Oidn};
+use steradian::image::{Attribute, Layer, OutputFormat, Picture};
+use steradian::layers::{LayerKind, LayerTracer};
 use steradian::passes::Tuning;
 use steradian::renderer::PreparedScene;
+use steradian::settings::Crop;
 use steradian::{Error, Result};
 
 /// Whether a picture's bytes would go to a person's screen.
@@ -35,6 +38,10 @@ pub(super) fn check(
     if let Some((flag, _)) = of_exr.iter().find(|(_, is_given)| *is_given && !is_exr) {
         return Err(Error::Settings(format!("{flag}: for an EXR; give --output a name in .exr")));
     }
+    if flags.denoise.is_some() {
+        // Now, before the scene is read, it costs nobody time if it is not there.
+        Oidn::load()?;
+    }
     if is_reference && flags.kinds().iter().any(|kind| kind.is_traced()) {
         let message = "--layers with --reference: a device traces them; only variance needs none";
         return Err(Error::Settings(message.into()));
@@ -42,30 +49,65 @@ pub(super) fn check(
     Ok(())
 }
 
-/// Traces layers.
+/// Traces layers, and takes noise away.
 pub(crate) struct PictureLayers {
-    tracer: RefCell<LayerTracer>,
+    tracer: Option<RefCell<LayerTracer>>,
+    denoiser: Option<(Oidn, RefCell<LayerTracer>)>,
 }
 
+/// What a denoiser's guides are made from.
+const GUIDES: &[LayerKind] = &[LayerKind::Albedo, LayerKind::ShadingNormal, LayerKind::Coverage];
+
 impl PictureLayers {
-    /// Compiles what the flags ask for; `None` where no rays are needed.
-    pub(super) fn new(
-        flags: &LayerFlags,
-        job: &Job,
-        prepared: &PreparedScene,
-    ) -> Result<Option<Self>> {
-        let kinds = flags.kinds();
-        if !kinds.iter().any(|kind| kind.is_traced()) {
-            return Ok(None);
-        }
-        let (tuning, rays) = (Tuning::default(), flags.layer_rays);
-        let tracer = LayerTracer::new(prepared, &job.scene, &job.settings, kinds, rays, &tuning)?;
-        Ok(Some(Self { tracer: RefCell::new(tracer) }))
+    /// Compiles and loads what the flags ask for.
+    pub(super) fn new(flags: &LayerFlags, job: &Job, prepared: &PreparedScene) -> Result<Self> {
+        let tracer = |kinds: &[LayerKind]| {
+            let (scene, settings, rays) = (&job.scene, &job.settings, flags.layer_rays);
+            let tracer =
+                LayerTracer::new(prepared, scene, settings, kinds, rays, &Tuning::default())?;
+            Ok::<_, Error>(RefCell::new(tracer))
+        };
+        let is_traced = flags.kinds().iter().any(|kind| kind.is_traced());
+        let denoiser = match flags.denoise {
+            Some(Denoiser::Oidn) => Some((Oidn::load()?, tracer(GUIDES)?)),
+            None => None,
+        };
+        Ok(Self { tracer: is_traced.then(|| tracer(flags.kinds())).transpose()?, denoiser })
     }
 
-    pub(super) fn tracer(&self) -> std::cell::RefMut<'_, LayerTracer> {
-        self.tracer.borrow_mut()
+    /// Attributes of a file with the layers.
+    pub(super) fn metadata(&self) -> Vec<(String, Attribute)> {
+        self.tracer.as_ref().map_or(Vec::new(), |tracer| tracer.borrow().metadata())
     }
+
+    /// The traced layers of a part of the picture.
+    pub(super) fn trace(&self, window: Crop) -> Result<Vec<Layer>> {
+        self.tracer.as_ref().map_or(Ok(Vec::new()), |tracer| tracer.borrow_mut().trace(window))
+    }
+
+    /// The picture of `window` without noise, if that is asked for.
+    pub(super) fn denoised(&self, picture: &Picture, window: Crop) -> Result<Option<Picture>> {
+        let Some((oidn, tracer)) = &self.denoiser else { return Ok(None) };
+        let layers = tracer.borrow_mut().trace(window)?;
+        // They are there: they were asked for.
+        let guides = Guides::from_layers(&layers).unwrap_or_default();
+        drop(layers);
+        oidn.denoise(picture, guides).map(Some)
+    }
+
+    /// One line about rays that went wrong.
+    pub(super) fn warn(&self) {
+        let tracers = self.tracer.iter().chain(self.denoiser.iter().map(|(_, tracer)| tracer));
+        let faulty: usize = tracers.map(|tracer| tracer.borrow().faulty_pixels()).sum();
+        if faulty > 0 {
+            talk::line(&format!("warning: layers: the walk failed for rays of {faulty} pixels"));
+        }
+    }
+}
+
+/// Of the denoised picture beside the PNG at `path`.
+pub(super) fn denoised_path(path: &Path) -> PathBuf {
+    path.with_extension("denoised.png")
 }
 
 /// Has `write` make the file of `picture`, or another that is then copied to standard output.

@@ -74,3 +74,70 @@ impl Objects {
         self.materials.is_empty()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::{TreeWidth, World};
+    use crate::scene::{Instance, Material, Mesh, Sphere};
+    use glam::{Affine3A, Vec3};
+
+    /// A strip of triangles of a material.
+    fn strip(count: u32, material: u32) -> Mesh {
+        let positions = (0..count + 2).map(|i| Vec3::new(i as f32, (i % 2) as f32, 0.0)).collect();
+        let triangles = (0..count).map(|i| [i, i + 1, i + 2]).collect();
+        Mesh { positions, triangles, material, ..Mesh::default() }
+    }
+
+    /// Instances of two meshes that are copied, one of them empty in between, and one that is shared.
+    fn scene() -> Scene {
+        let place =
+            |mesh| Instance { name: String::new(), mesh, world_from_object: Affine3A::IDENTITY };
+        let sphere =
+            |material| Sphere { name: String::new(), center: Vec3::ZERO, radius: 1.0, material };
+        Scene {
+            meshes: vec![strip(3, 0), strip(5000, 1), strip(0, 2), strip(2, 2)],
+            instances: [1, 0, 1, 2, 3, 0].map(place).into(),
+            spheres: vec![sphere(1), sphere(3)],
+            materials: vec![Material::default(); 4],
+            ..Scene::default()
+        }
+    }
+
+    /// Every primitive has the material of the object that it is found to be, in the very records
+    /// that the device has.
+    #[test]
+    fn primitives_have_the_material_of_their_object() {
+        let scene = scene();
+        assert_eq!(scene.shared_meshes(), [false, true, false, false]);
+        for accel in [Accel::Bvh, Accel::None] {
+            let objects = Objects::new(&scene, accel);
+            assert_eq!(objects.len(), 8);
+            let world = World::build(&scene, accel, TreeWidth::Two).unwrap();
+            let (mut met, mut count) = ([0; 8], 0);
+            for record in world.primitives.chunks_exact(3) {
+                let (material, source) = (record[0][3] & 0xFF, record[2][3]);
+                // The instances' places in the order of the leaves have no primitive.
+                let is_empty = record == [[0; 4]; 3];
+                if is_empty && count > 0 {
+                    continue;
+                }
+                let object = objects.find(source, 2 * TREE_RECORD_SIZE).unwrap();
+                assert_eq!(objects.material(object), material, "source {source} of {accel:?}");
+                met[object as usize] += 1;
+                count += 1;
+            }
+            // The second placement of the shared mesh is the third instance.
+            let shared = if accel == Accel::Bvh {
+                [0, 3, 5000, 0, 2, 3, 1, 1]
+            } else {
+                [5000, 3, 5000, 0, 2, 3, 1, 1]
+            };
+            assert_eq!(met, shared, "{accel:?}");
+            assert_eq!(objects.find(INVALID, INVALID), None);
+        }
+        let objects = Objects::new(&scene, Accel::Bvh);
+        assert_eq!(objects.find(0, TREE_RECORD_SIZE), Some(0));
+        assert_eq!(objects.find(0, 2 * TREE_RECORD_SIZE), Some(2));
+    }
+}

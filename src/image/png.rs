@@ -187,6 +187,37 @@ mod tests {
         }
     }
 
+    /// Types and data of the chunks, by the file's own layout (PNG 3rd edition, 5.3).
+    fn chunks(path: &Path) -> Vec<([u8; 4], Vec<u8>)> {
+        let bytes = std::fs::read(path).unwrap();
+        let (mut rest, mut chunks) = (&bytes[8..], Vec::new());
+        while let Some((length, after)) = rest.split_first_chunk::<4>() {
+            let length = u32::from_be_bytes(*length) as usize;
+            let kind = *after.first_chunk().unwrap();
+            chunks.push((kind, after[4..4 + length].to_vec()));
+            rest = &after[4 + length + 4..];
+        }
+        chunks
+    }
+
+    #[test]
+    fn both_depths_say_that_they_are_srgb() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        for (depth, bits) in [(BitDepth::Eight, 8), (BitDepth::Sixteen, 16)] {
+            let options = PngOptions { depth, ..PngOptions::default() };
+            write_png(&path, &Picture::new(3, 2, CASES.to_vec()), &options).unwrap();
+            let chunks = chunks(&path);
+            let at = |kind: &[u8; 4]| chunks.iter().position(|(k, _)| k == kind).unwrap();
+            assert_eq!(chunks[at(b"IHDR")].1[8], bits);
+            // Perceptual; before the pixels, where decoders look for it.
+            assert_eq!(chunks[at(b"sRGB")].1, [0]);
+            assert!(at(b"sRGB") < at(b"IDAT"));
+            // No profile that contradicts it.
+            assert!(chunks.iter().all(|(kind, _)| kind != b"iCCP"));
+        }
+    }
+
     #[test]
     fn sixteen_bits_read_back_what_they_stored() {
         let folder = tempfile::tempdir().unwrap();

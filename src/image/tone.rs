@@ -14,7 +14,8 @@ pub enum ToneCurve {
     /// Khronos PBR Neutral: base colours stay what they are, highlights are compressed.
     Neutral,
     /// AgX, base look: Sobotka's, with the Rec. 2020 matrices of Blender 4, as in three.js and
-    /// Filament.
+    /// Filament. A grey of 0.18 becomes 0.2145, in Blender itself 0.18: those decode with 2.2 what was
+    /// encoded for 2.4.
     Agx,
     /// ACES: S. Hill's fit of the reference and output transforms, with the exposure of 1/0.6
     /// that three.js and the Khronos sample viewer's "exposure boost" put before it.
@@ -128,6 +129,9 @@ fn aces(rgb: Vec3) -> Vec3 {
 fn rows(rows: [[f32; 3]; 3]) -> Mat3 {
     Mat3::from_cols_array_2d(&rows).transpose()
 }
+
+#[cfg(test)]
+mod published;
 
 #[cfg(test)]
 mod tests {

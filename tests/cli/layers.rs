@@ -245,3 +245,20 @@ fn flags_that_make_no_sense_are_refused_before_rendering() {
     }
     assert!(program.files().is_empty(), "{:?}", program.files());
 }
+
+/// Without the library, whatever is installed: before anything is rendered, with the remedy.
+#[test]
+fn a_denoiser_that_is_not_there_is_told_of() {
+    let program = Program::new();
+    for name in ["a.png", "a.exr"] {
+        let call = ["render", "missing.gltf", "-o", name, "--denoise", "oidn"];
+        let mut command = program.command(&call);
+        let output =
+            command.env("STERADIAN_OIDN", "/nowhere/libOpenImageDenoise.so").output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{}", talk(&output));
+        let said = talk(&output);
+        assert!(said.contains("/nowhere/lib") && said.contains("pyoidn"), "{said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+    assert!(program.files().is_empty());
+}

@@ -158,3 +158,89 @@ fn damaged_files_are_errors() {
         assert!(matches!(read_exr(&path), Err(Error::Io { .. })), "{length} bytes");
     }
 }
+
+/// The picture of 7 by 40 pixels whose layers are numbered pixels, from a row of the window on.
+fn numbered(window: Crop) -> Vec<Layer> {
+    let pixels = (window.y - 2) * 7..(window.y - 2 + window.height) * 7;
+    let floats = |scale: f32| ChannelData::F32(pixels.clone().map(|i| i as f32 * scale).collect());
+    let colors = ["R", "G", "B"].map(|name| (name.to_owned(), floats(0.1)));
+    let main = Layer { name: String::new(), channels: colors.into() };
+    let id = Layer {
+        name: "id".into(),
+        channels: vec![("object".into(), ChannelData::U32(pixels.clone().collect()))],
+    };
+    vec![main, id]
+}
+
+#[test]
+fn bands_give_the_file_of_the_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, whole) = (folder.path().join("a.exr"), folder.path().join("b.exr"));
+    let window = Crop { x: 1, y: 2, width: 7, height: 40 };
+    let (resolution, metadata) = ((9, 50), sample().metadata);
+    let image =
+        ExrImage { resolution, window, layers: numbered(window), metadata: metadata.clone() };
+    for precision in [Precision::Float, Precision::Half] {
+        write_exr(&whole, &image, precision).unwrap();
+        let header = ExrHeader { resolution, window, metadata: metadata.clone(), precision };
+        for band_rows in [1, 16, 17, 32, 1000] {
+            let mut rows = Vec::new();
+            write_exr_bands(&path, &header, band_rows, |band| {
+                rows.push((band.y, band.height));
+                Ok(numbered(band))
+            })
+            .unwrap();
+            assert!(std::fs::read(&path).unwrap() == std::fs::read(&whole).unwrap(), "{band_rows}");
+            assert_eq!(rows.iter().map(|(_, height)| height).sum::<u32>(), 40);
+            assert_eq!(rows.len() as u32, 40_u32.div_ceil(band_rows.next_multiple_of(16)));
+        }
+    }
+}
+
+#[test]
+fn a_band_that_fails_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let header = ExrHeader {
+        resolution: (9, 50),
+        window: Crop { x: 1, y: 2, width: 7, height: 40 },
+        metadata: BTreeMap::new(),
+        precision: Precision::Float,
+    };
+    let write = |spoil: &dyn Fn(Vec<Layer>) -> Result<Vec<Layer>>| {
+        let rows =
+            |band: Crop| if band.y > 20 { spoil(numbered(band)) } else { Ok(numbered(band)) };
+        let message = write_exr_bands(&path, &header, 16, rows).unwrap_err().to_string();
+        assert!(std::fs::read_dir(folder.path()).unwrap().next().is_none());
+        message
+    };
+    assert_eq!(write(&|_| Err(Error::DeviceLost("gone".into()))), "gone");
+    let message = write(&|layers| Ok(layers[..1].to_vec()));
+    assert!(message.contains("3 channels in a band, 4 in the first"), "{message}");
+    let renamed = |mut layers: Vec<Layer>| {
+        layers[1].name = "it".into();
+        Ok(layers)
+    };
+    let message = write(&renamed);
+    assert!(message.contains("id.object has 0 values for"), "{message}");
+}
+
+#[test]
+fn standard_attributes_have_their_types() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let mut image = sample();
+    let m = std::array::from_fn(|i| i as f32);
+    for (name, value) in [
+        ("worldToCamera", Attribute::Matrix(m)),
+        ("worldToNDC", Attribute::Matrix(m.map(|v| -v))),
+        ("samplesPerPixel", Attribute::Integer(64)),
+        ("renderTimeSeconds", Attribute::Single(0.1)),
+    ] {
+        image.metadata.insert(name.into(), value);
+    }
+    write_exr(&path, &image, Precision::Float).unwrap();
+    assert_eq!(read_exr(&path).unwrap().metadata, image.metadata);
+    let meta = ::exr::meta::MetaData::read_from_file(&path, true).unwrap();
+    assert_eq!(meta.headers[0].own_attributes.world_to_camera, Some(m));
+}

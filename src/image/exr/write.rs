@@ -218,14 +218,21 @@ fn too_large_for_half(path: &Path, name: &str, value: f32) -> Error {
 }
 
 impl Band<'_> {
-    /// That all channels are there, with a value for every pixel.
+    /// That its channels are those of the first band, with a value for every pixel.
     fn check(&self, path: &Path, width: u32, places: &[Place]) -> Result<()> {
         let pixels = self.rows as usize * width as usize;
         let channels: usize = self.layers.iter().map(|layer| layer.channels.len()).sum();
+        if channels != places.len() {
+            let message = format!("{channels} channels in a band, {} in the first", places.len());
+            return Err(invalid_data(path, message));
+        }
         for place in places {
-            let data = self.layers.get(place.layer).and_then(|l| l.channels.get(place.channel));
-            let count = data.map_or(0, |(_, data)| data.len());
-            if count != pixels || channels != places.len() {
+            let layer = self.layers.get(place.layer);
+            let channel = layer.and_then(|l| Some((l, l.channels.get(place.channel)?)));
+            let count = channel
+                .filter(|(layer, (name, _))| full_name(&layer.name, name) == place.name)
+                .map_or(0, |(_, (_, data))| data.len());
+            if count != pixels {
                 let message =
                     format!("channel {} has {count} values for {pixels} pixels", place.name);
                 return Err(invalid_data(path, message));
