@@ -75,6 +75,22 @@ pub struct Crop {
     pub height: u32,
 }
 
+impl Crop {
+    /// Whether all of `inner` lies within.
+    pub fn contains(&self, inner: &Self) -> bool {
+        let end = |first: u32, length: u32| u64::from(first) + u64::from(length);
+        inner.x >= self.x
+            && inner.y >= self.y
+            && end(inner.x, inner.width) <= end(self.x, self.width)
+            && end(inner.y, inner.height) <= end(self.y, self.height)
+    }
+
+    /// Pixels.
+    pub fn area(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+}
+
 /// Estimators of the scattered light. All have the same mean wherever all apply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Strategy {

@@ -156,12 +156,13 @@ impl PartHead {
 
     /// Its layers that camera rays tell of.
     pub(super) fn traced(&self, file: &FilmFile) -> Result<Vec<Layer>> {
+        let n = self.film.window.area() as usize;
         let read = |(layer, channels): &(String, Vec<(String, bool)>)| {
             let channel = |(name, counts): &(String, bool)| {
                 let section = section(layer, name);
                 let data = match counts {
-                    true => ChannelData::U32(file.whole_section(&section)?),
-                    false => ChannelData::F32(file.whole_section(&section)?),
+                    true => ChannelData::U32(file.section(&section, n)?),
+                    false => ChannelData::F32(file.section(&section, n)?),
                 };
                 Ok((name.clone(), data))
             };

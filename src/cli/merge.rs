@@ -132,14 +132,28 @@ fn check(parts: &[Part], allows_devices: bool) -> Result<()> {
         }
     }
     let is_there = |index: &u32| parts.iter().any(|part| part.head.shard.index == *index);
-    let missing: Vec<_> = (0..count).filter(|i| !is_there(i)).map(|i| i.to_string()).collect();
-    if missing.is_empty() {
-        return Ok(());
-    }
     const NAMED: usize = 16;
+    let missing = (0..count).filter(|i| !is_there(i)).map(|i| i.to_string());
+    let missing: Vec<_> = missing.take(NAMED + 1).collect();
+    if missing.is_empty() {
+        return check_pixels(parts);
+    }
     let more = if missing.len() > NAMED { ", ..." } else { "" };
     let missing = missing[..missing.len().min(NAMED)].join(", ");
     Err(Error::Settings(format!("of {count} parts these are missing: {missing}{more}")))
+}
+
+/// That parts of the pixels are all of them, before memory is taken for the whole.
+fn check_pixels(parts: &[Part]) -> Result<()> {
+    let whole = &parts[0].head.window;
+    let of = |part: &Part| part.head.film.window;
+    let is_whole = parts.iter().all(|part| of(part) == *whole);
+    let area: u64 = parts.iter().map(|part| of(part).area()).sum();
+    let lie_within = parts.iter().all(|part| whole.contains(&of(part)));
+    if is_whole || lie_within && area == whole.area() {
+        return Ok(());
+    }
+    Err(parts[0].file.misfit("is of parts that do not make up the picture"))
 }
 
 /// Samples in their order, or pixels in their places.

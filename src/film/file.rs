@@ -159,6 +159,16 @@ impl FilmFile {
         self.sections.iter().any(|(n, ..)| n == name)
     }
 
+    /// Bytes of a section; 0 where there is none.
+    pub fn section_bytes(&self, name: &str) -> u64 {
+        self.sections.iter().find(|(n, ..)| n == name).map_or(0, |s| s.2)
+    }
+
+    /// An [`Error::Io`] about what the file holds.
+    pub fn misfit(&self, message: &str) -> Error {
+        invalid(&self.path, message)
+    }
+
     /// A section as `count` elements.
     ///
     /// # Errors
@@ -178,15 +188,6 @@ impl FilmFile {
         file.seek(SeekFrom::Start(at)).map_err(failure)?;
         file.read_exact(bytemuck::cast_slice_mut(&mut elements)).map_err(failure)?;
         Ok(elements)
-    }
-
-    /// The elements of a section, however many they are.
-    ///
-    /// # Errors
-    /// As [`Self::section`].
-    pub fn whole_section<T: Pod + Zeroable>(&self, name: &str) -> Result<Vec<T>> {
-        let bytes = self.sections.iter().find(|(n, ..)| n == name).map_or(0, |s| s.2);
-        self.section(name, bytes as usize / size_of::<T>())
     }
 }
 

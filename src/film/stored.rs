@@ -60,8 +60,17 @@ impl Film {
     /// # Errors
     /// [`Error::Io`].
     pub fn read(file: &FilmFile, head: &FilmHead) -> Result<Self> {
+        let n = u64::from(head.window.width) * u64::from(head.window.height);
+        let fits = |s: SampleRange| s.fits(s.total, head.unit);
+        // Before any memory is taken for what it says.
+        if file.section_bytes("sample_count") != 4 * n
+            || head.unit == 0
+            || !head.samples.is_none_or(fits)
+        {
+            return Err(file.misfit("is damaged: its film does not fit its head"));
+        }
         let mut film = Self::with(head.window, head.unit, head.samples);
-        let n = film.sample_count.len();
+        let n = n as usize;
         film.sums.total = file.section("sum", film.sums.total.len())?;
         film.sums.segment = file.section("segment", film.sums.segment.len())?;
         film.sample_count = file.section("sample_count", n)?;
@@ -126,11 +135,7 @@ impl Film {
     /// [`Error::Settings`] if it does not lie within, or is of other samples.
     pub fn insert(&mut self, part: &Self) -> Result<()> {
         let (window, inner) = (self.window, part.window);
-        let lies_within = inner.x >= window.x
-            && inner.y >= window.y
-            && inner.x + inner.width <= window.x + window.width
-            && inner.y + inner.height <= window.y + window.height;
-        if !lies_within || self.samples != part.samples || self.unit != part.unit {
+        if !window.contains(&inner) || self.samples != part.samples || self.unit != part.unit {
             let message = format!("the part {inner:?} is none of the window {window:?}");
             return Err(Error::Settings(message));
         }

@@ -108,10 +108,7 @@ impl Renderer {
     /// [`Error::Io`] if the file does not fit.
     pub fn go_on(&mut self, head: &RenderHead, file: &FilmFile) -> Result<()> {
         let device = self.prepared.device.clone();
-        let misfit = || {
-            let message = "is of another render, or of a device with other limits";
-            Error::io(file.path(), std::io::Error::new(std::io::ErrorKind::InvalidData, message))
-        };
+        let misfit = || file.misfit("is of another render, or of a device with other limits");
         let (mine, its) = (self.film.head(), &head.film);
         if (mine.window, mine.unit, mine.samples) != (its.window, its.unit, its.samples) {
             return Err(misfit());
@@ -120,9 +117,7 @@ impl Renderer {
         match (&mut self.plan, &head.position) {
             (Plan::Fixed(schedule), Position::Fixed { region_first, block_first, sweep }) => {
                 schedule.go_to(*region_first, *block_first).ok_or_else(misfit)?;
-                if schedule.sweep.tile_count() != sweep.tile_count()
-                    || schedule.sweep.block_samples() != sweep.block_samples()
-                {
+                if !sweep.is_stage_of(&schedule.sweep) {
                     return Err(misfit());
                 }
                 if file.has("device.film") {
@@ -133,6 +128,9 @@ impl Renderer {
                 schedule.sweep = *sweep;
             }
             (Plan::Adaptive(rounds), Position::Adaptive { active_count, most_samples, sweep }) => {
+                if !sweep.is_stage_of(sweep) || *active_count > self.pass.pixel_count() {
+                    return Err(misfit());
+                }
                 let count = self.pass.pixel_count() as usize;
                 let pixels: Vec<GpuFilmPixel> = file.section("device.film", count)?;
                 self.pass.write(&device, &pixels);

@@ -121,6 +121,14 @@ impl Sweep {
         self.block_samples
     }
 
+    /// Whether it is a stage of the sweep `of`.
+    pub(super) fn is_stage_of(&self, of: &Self) -> bool {
+        let same = |s: &Self| (s.tile_count, s.block_samples);
+        same(self) == same(of)
+            && self.sample <= self.block_samples
+            && (self.tile == 0 || self.tile < self.tile_count && self.sample < self.block_samples)
+    }
+
     /// Tile samples that are done.
     pub(super) fn tile_samples(&self) -> f64 {
         f64::from(self.sample) * f64::from(self.tile_count) + f64::from(self.tile)
