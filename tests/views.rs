@@ -239,8 +239,16 @@ fn visits(scene: &Scene, settings: &RenderSettings) -> Vec<(u64, u64)> {
         let stack_size = buffers.world.stack_size.max(1);
         let frame = buffers.facts().frame(scene, settings);
         let tuning = Tuning::default();
-        let mut hits =
-            FirstHits::new(&device, &uploaded, features, true, stack_size, frame, &tuning).unwrap();
+        let mut hits = FirstHits::new(
+            &device,
+            &uploaded,
+            features,
+            Extras::visits(true),
+            stack_size,
+            frame,
+            &tuning,
+        )
+        .unwrap();
         hits.run(&device, 1).unwrap();
         let of = |h: &GpuFirstHit| (u64::from(h.node_visits), u64::from(h.primitive_visits));
         hits.hits().iter().map(of).collect()

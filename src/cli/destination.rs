@@ -42,7 +42,8 @@ impl Destinations {
     pub(crate) fn check(flags: &RenderFlags) -> Result<Self> {
         let picture = flags.output.as_deref().map(|path| picture(path, flags)).transpose()?;
         let format = picture.as_ref().map(|p| p.format);
-        picture_layers::check(&flags.layers, format, flags.job.sampling.reference)?;
+        let has_time = flags.job.scene.frame_time.is_some();
+        picture_layers::check(&flags.layers, format, flags.job.sampling.reference, has_time)?;
         let is_png = picture.as_ref().is_some_and(|p| p.format == OutputFormat::Png);
         let shown = &flags.job.picture;
         let is_shown = shown.bits.is_some() || shown.exposure.is_some() || shown.tone_map.is_some();

@@ -47,7 +47,7 @@ fn run_on_device(call: &Call, job: &Job) -> Result<ExitCode> {
     let mut renderer = while_busy(verbosity, "building trees, compiling shaders", || {
         Renderer::new(device.clone(), &job.scene, &job.settings)
     })?;
-    let layers = PictureLayers::new(&call.flags.layers, job, renderer.prepared())?;
+    let layers = PictureLayers::new(call.flags, job, renderer.prepared())?;
     let stop = StopRequest::listen()?;
     report::renderer(verbosity, renderer.statistics());
     let mut progress = Progress::start(verbosity);
