@@ -42,6 +42,10 @@ struct FirstHit {
     // Of the centre's ray: the primitive's index in scene order, or INVALID, and `Hit.instance`.
     source: u32,
     instance: u32,
+    // Its barycentric weights of the second and third vertex, and the distance along it, metres.
+    weights: vec2<f32>,
+    centre_depth: f32,
+    padding_0: u32,
 }
 
 @group(0) @binding(1) var<storage, read_write> first_hits: array<FirstHit>;
@@ -88,6 +92,8 @@ fn first_hit_centre(sum: FirstHit, ray: Ray, is_active: bool) -> FirstHit {
     p.material = INVALID;
     p.source = INVALID;
     p.instance = hit.instance;
+    p.weights = vec2<f32>(hit.u, hit.v);
+    p.centre_depth = hit.t;
     if hit.primitive != INVALID {
         let met = primitive_load(hit.primitive);
         p.material = primitive_material(met);

@@ -49,7 +49,8 @@ pub(super) fn run(flags: &RenderFlags, frames: &[Frame], shard: Option<Shard>) -
             shard::apply(&mut job, shard)?;
         }
         film_output::check(flags, shard, &destinations, &job)?;
-        let call = Call { start, session: &session, flags, shard, destinations, verbosity };
+        let time = frame.time;
+        let call = Call { start, session: &session, flags, time, shard, destinations, verbosity };
         if flags.frames.skip_existing && existing::is_valid(&call, &job) {
             skipped += 1;
             for path in call.destinations.paths().take(1) {

@@ -62,7 +62,9 @@ impl Destinations {
             }
         };
         let format = picture.as_ref().map(|p| p.format);
-        picture_layers::check(&flags.layers, format, film.is_some(), flags.job.sampling.reference)?;
+        let has_time = flags.job.scene.frame_time.is_some() || flags.frames.frames.is_some();
+        let of_reference = flags.job.sampling.reference;
+        picture_layers::check(&flags.layers, format, film.is_some(), of_reference, has_time)?;
         if let Some(map) = &sample_map
             && OutputFormat::from_path(map)? != OutputFormat::Png
         {

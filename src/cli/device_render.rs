@@ -37,7 +37,7 @@ fn build(call: &Call, job: &Job) -> Result<(Arc<Device>, Renderer, PictureLayers
     let renderer = while_busy(call.verbosity, "building trees, compiling shaders", || {
         call.session.renderer(job)
     })?;
-    let layers = PictureLayers::new(&call.flags.layers, job, renderer.prepared())?;
+    let layers = PictureLayers::new(call, job, renderer.prepared())?;
     Ok((device, renderer, layers))
 }
 

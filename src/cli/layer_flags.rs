@@ -18,6 +18,7 @@ pub(crate) const LAYERS: &[Word<LayerKind>] = &[
     ("id", LayerKind::Id, "indices of object and material"),
     ("crypto-object", LayerKind::CryptoObject, "Cryptomatte of objects"),
     ("crypto-material", LayerKind::CryptoMaterial, "Cryptomatte of materials"),
+    ("motion", LayerKind::Motion, "motion in the picture"),
     ("variance", LayerKind::Variance, "variance of the mean luminance"),
 ];
 
@@ -52,13 +53,17 @@ pub(crate) const STANDARD_OUTPUT: &str = "-";
 #[command(next_help_heading = "Picture files")]
 pub(crate) struct LayerFlags {
     /// Layers of an EXR beside its noise: all, or some of albedo, N, Ng, Z, P, uv, coverage, id,
-    /// crypto-object, crypto-material, variance
+    /// crypto-object, crypto-material, variance; and motion, which is not among all
     #[arg(long, value_name = "LIST", value_parser = layer_list, conflicts_with = "view")]
     pub(crate) layers: Option<LayerList>,
 
     /// Camera rays of a pixel that layers are means of
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub(crate) layer_rays: u32,
+
+    /// Layer motion: time since which things have moved; that of a frame (--fps) by default
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub(crate) motion_step: Option<f64>,
 
     /// Bits of the picture's R, G and B in an EXR; all layers have 32
     #[arg(long, value_parser = values::one_of(PRECISIONS), conflicts_with = "view")]
@@ -127,21 +132,29 @@ impl LayerFlags {
 fn layer_list(text: &str) -> Parsed<LayerList> {
     let mut kinds = Vec::new();
     for word in text.split(',').map(str::trim) {
-        let found: &[LayerKind] = match LAYERS.iter().find(|(name, _, _)| *name == word) {
-            Some((_, kind, _)) => &[*kind],
-            None if word == "all" => &LayerKind::ALL,
+        let all = || LayerKind::ALL.into_iter().filter(|kind| *kind != LayerKind::Motion);
+        let found: Vec<LayerKind> = match LAYERS.iter().find(|(name, _, _)| *name == word) {
+            Some((_, kind, _)) => vec![*kind],
+            None if word == "all" => all().collect(),
             None => {
                 let names: Vec<_> = LAYERS.iter().map(|(name, _, _)| *name).collect();
                 return Err(format!("{word:?} is none of all, {}", names.join(", ")));
             }
         };
         for kind in found {
-            if !kinds.contains(kind) {
-                kinds.push(*kind);
+            if !kinds.contains(&kind) {
+                kinds.push(kind);
             }
         }
     }
     Ok(LayerList(kinds))
+}
+
+fn seconds(text: &str) -> Parsed<f64> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err("expected a time in seconds above 0".into()),
+    }
 }
 
 #[cfg(test)]
@@ -152,6 +165,7 @@ mod tests {
         LayerFlags {
             layers: None,
             layer_rays: 16,
+            motion_step: None,
             exr_precision: None,
             exr_times: false,
             format,
@@ -163,7 +177,9 @@ mod tests {
     fn a_list_of_layers_has_each_once() {
         let kinds = |text| layer_list(text).map(|list| list.0);
         assert_eq!(kinds("N, albedo,N"), Ok(vec![LayerKind::ShadingNormal, LayerKind::Albedo]));
-        assert_eq!(kinds("all,N"), Ok(LayerKind::ALL.to_vec()));
+        let all = kinds("all,N").unwrap();
+        assert_eq!(all.len(), LayerKind::ALL.len() - 1);
+        assert!(!all.contains(&LayerKind::Motion) && kinds("all,motion").unwrap().len() == 12);
         assert!(kinds("n").unwrap_err().contains("\"n\" is none of all, albedo, N, Ng"));
         assert!(kinds("").is_err());
         // All have a word.

@@ -3,6 +3,7 @@
 use super::destination::Picture as Destination;
 use super::job::Job;
 use super::layer_flags::{Denoiser, LayerFlags, STANDARD_OUTPUT};
+use super::render::Call;
 use super::talk;
 use std::cell::RefCell;
 use std::fs::File;
@@ -13,6 +14,7 @@ use steradian::image::{Attribute, Layer, OutputFormat, Picture};
 use steradian::layers::{LayerKind, LayerTracer};
 use steradian::passes::Tuning;
 use steradian::renderer::PreparedScene;
+use steradian::scene::gltf::{LoadOptions, load_with};
 use steradian::settings::Crop;
 use steradian::{Error, Result};
 
@@ -27,7 +29,12 @@ pub(super) fn check(
     format: Option<OutputFormat>,
     is_film: bool,
     is_reference: bool,
+    has_time: bool,
 ) -> Result<()> {
+    if flags.kinds().contains(&LayerKind::Motion) && !has_time {
+        let message = "--layers motion: needs the time of the frame; give --frame-time or --frames";
+        return Err(Error::Settings(message.into()));
+    }
     let is_exr = format == Some(OutputFormat::Exr);
     let of_exr = [
         // Joined films become an EXR.
@@ -60,12 +67,19 @@ const GUIDES: &[LayerKind] = &[LayerKind::Albedo, LayerKind::ShadingNormal, Laye
 
 impl PictureLayers {
     /// Compiles and loads what the flags ask for.
-    pub(super) fn new(flags: &LayerFlags, job: &Job, prepared: &PreparedScene) -> Result<Self> {
+    pub(super) fn new(call: &Call, job: &Job, prepared: &PreparedScene) -> Result<Self> {
+        let flags = &call.flags.layers;
         let tracer = |kinds: &[LayerKind]| {
             let (scene, settings, rays) = (&job.scene, &job.settings, flags.layer_rays);
             let tracer =
                 LayerTracer::new(prepared, scene, settings, kinds, rays, &Tuning::default())?;
-            Ok::<_, Error>(RefCell::new(tracer))
+            let Some(time) = call.time.filter(|_| kinds.contains(&LayerKind::Motion)) else {
+                return Ok(RefCell::new(tracer));
+            };
+            let frame_time = Some(time - flags.motion_step.unwrap_or(1.0 / call.flags.frames.fps));
+            let options = LoadOptions { frame_time, ..call.flags.job.scene.options() };
+            let before = load_with(&call.flags.scene, &options)?;
+            Ok::<_, Error>(RefCell::new(tracer.with_motion(scene, before, settings)?))
         };
         let is_traced = flags.kinds().iter().any(|kind| kind.is_traced());
         let denoiser = match flags.denoise {

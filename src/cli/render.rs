@@ -24,6 +24,8 @@ pub(super) struct Call<'a> {
     pub(super) start: Instant,
     pub(super) session: &'a Session<'a>,
     pub(super) flags: &'a RenderFlags,
+    /// Of the frame, seconds, at which animations are sampled.
+    pub(super) time: Option<f64>,
     /// The part of the frame that is rendered.
     pub(super) shard: Option<Shard>,
     pub(super) destinations: Destinations,

@@ -59,6 +59,12 @@ impl Objects {
         }
     }
 
+    /// Index of a primitive of [`Self::find`]'s object among the triangles of its mesh.
+    pub fn primitive(&self, source: u32) -> u32 {
+        let run = self.runs.partition_point(|(first, _)| *first <= source).max(1) - 1;
+        self.runs.get(run).map_or(0, |(first, _)| source - first)
+    }
+
     /// Index of an object's material.
     pub fn material(&self, object: u32) -> u32 {
         self.materials[object as usize]
@@ -137,6 +143,7 @@ mod tests {
             assert_eq!(objects.find(INVALID, INVALID), None);
         }
         let objects = Objects::new(&scene, Accel::Bvh);
+        assert_eq!([0, 4999, 5000, 5004].map(|source| objects.primitive(source)), [0, 4999, 0, 1]);
         assert_eq!(objects.find(0, TREE_RECORD_SIZE), Some(0));
         assert_eq!(objects.find(0, 2 * TREE_RECORD_SIZE), Some(2));
     }

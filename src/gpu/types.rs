@@ -94,6 +94,9 @@ gpu_struct! {
         faults: u32,
         source: u32,
         instance: u32,
+        weights: [f32; 2],
+        centre_depth: f32,
+        padding_0: u32,
     }
 }
 

@@ -2,6 +2,7 @@
 //! is. Compositors and denoisers want them (docs/outputs.md has every channel with its unit).
 
 mod cryptomatte;
+mod motion;
 mod of_film;
 mod tracer;
 
@@ -32,13 +33,16 @@ pub enum LayerKind {
     CryptoObject,
     /// `CryptoMaterial00.r` and so on: which material.
     CryptoMaterial,
+    /// `motion.X/Y`: pixels to the right and down since an earlier time, of what the ray through
+    /// the pixel's centre meets.
+    Motion,
     /// `variance.Y`: variance of the mean luminance, by the render's own samples.
     Variance,
 }
 
 impl LayerKind {
     /// All of them.
-    pub const ALL: [LayerKind; 11] = [
+    pub const ALL: [LayerKind; 12] = [
         LayerKind::Albedo,
         LayerKind::ShadingNormal,
         LayerKind::GeometricNormal,
@@ -49,6 +53,7 @@ impl LayerKind {
         LayerKind::Id,
         LayerKind::CryptoObject,
         LayerKind::CryptoMaterial,
+        LayerKind::Motion,
         LayerKind::Variance,
     ];
 

@@ -38,3 +38,29 @@ pub fn film_layers(
     }
     layers
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::BlockMean;
+
+    #[test]
+    fn rows_are_those_of_the_window() {
+        let whole = Crop { x: 5, y: 7, width: 2, height: 3 };
+        let mut film = Film::new(whole, 1);
+        for i in 0..6 {
+            for sample in 0..=i {
+                let mean = [f64::from(sample); 3];
+                film.add_block(i % 2, i / 2, BlockMean { mean, sample_count: 1 });
+            }
+        }
+        let errors = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        let rows = Crop { y: 8, height: 2, ..whole };
+        let layers = film_layers(&film, Some(&errors), &[LayerKind::Variance], rows);
+        let channel = |layer: usize, k: usize| layers[layer].channels[k].1.clone();
+        assert_eq!(channel(0, 0), ChannelData::U32(vec![3, 4, 5, 6]));
+        assert_eq!(channel(0, 1), ChannelData::F32(vec![2.0, 3.0, 4.0, 5.0]));
+        assert_eq!(channel(1, 0), ChannelData::F32(vec![4.0, 9.0, 16.0, 25.0]));
+        assert_eq!(film_layers(&film, None, &[LayerKind::Variance], rows).len(), 1);
+    }
+}

@@ -2,6 +2,7 @@
 
 use super::LayerKind;
 use super::cryptomatte::Cryptomatte;
+use super::motion::Motion;
 use crate::Result;
 use crate::gpu::{Device, GpuFirstHit, Objects};
 use crate::image::{Attribute, ChannelData, Layer};
@@ -23,6 +24,7 @@ pub struct LayerTracer {
     kinds: Vec<LayerKind>,
     rays: u32,
     mattes: Vec<(LayerKind, Cryptomatte)>,
+    motion: Option<Motion>,
     faulty_pixels: usize,
 }
 
@@ -63,8 +65,24 @@ impl LayerTracer {
             kinds,
             rays,
             mattes,
+            motion: None,
             faulty_pixels: 0,
         })
+    }
+
+    /// With [`LayerKind::Motion`] since the time of `before`: the same file at that time. `scene` and
+    /// `settings` are those of [`Self::new`].
+    ///
+    /// # Errors
+    /// [`crate::Error::Settings`] where it has other objects then.
+    pub fn with_motion(
+        mut self,
+        scene: &Scene,
+        before: Scene,
+        settings: &RenderSettings,
+    ) -> Result<Self> {
+        self.motion = Some(Motion::new(scene, before, settings)?);
+        Ok(self)
     }
 
     /// The layers of a part of the picture, whatever parts there were before: the same bits.
@@ -84,6 +102,12 @@ impl LayerTracer {
                 fill(*kind, layer, self.hits.hits(), &self.objects);
             }
             self.add_to_mattes();
+            if let Some(motion) = &self.motion
+                && let Some(layer) = layers.iter_mut().find(|layer| layer.name == "motion")
+            {
+                let origin = (window.x, window.y + first);
+                add_motion(motion, layer, origin, window.width, self.hits.hits(), &self.objects);
+            }
         }
         layers.extend(self.mattes.iter_mut().flat_map(|(_, matte)| matte.take_layers()));
         Ok(layers)
@@ -136,6 +160,7 @@ fn empty(kind: LayerKind) -> Option<Layer> {
         LayerKind::Position => ("P", &["X", "Y", "Z"]),
         LayerKind::Uv => ("uv", &["U", "V"]),
         LayerKind::Coverage => ("coverage", &["A"]),
+        LayerKind::Motion => ("motion", &["X", "Y"]),
         LayerKind::Id => ("id", &["object", "material"]),
         LayerKind::CryptoObject | LayerKind::CryptoMaterial | LayerKind::Variance => return None,
     };
@@ -147,8 +172,30 @@ fn empty(kind: LayerKind) -> Option<Layer> {
     Some(Layer { name: name.into(), channels })
 }
 
+/// Appends the motion of `hits`, rows of `width` pixels whose first begins at `origin`.
+fn add_motion(
+    motion: &Motion,
+    layer: &mut Layer,
+    origin: (u32, u32),
+    width: u32,
+    hits: &[GpuFirstHit],
+    objects: &Objects,
+) {
+    let [(_, ChannelData::F32(x)), (_, ChannelData::F32(y))] = &mut layer.channels[..] else {
+        return;
+    };
+    for (i, hit) in (0..).zip(hits) {
+        let moved = motion.of((origin.0 + i % width, origin.1 + i / width), hit, objects);
+        x.push(moved[0]);
+        y.push(moved[1]);
+    }
+}
+
 /// Appends the values of `hits`.
 fn fill(kind: LayerKind, layer: &mut Layer, hits: &[GpuFirstHit], objects: &Objects) {
+    if kind == LayerKind::Motion {
+        return;
+    }
     for (k, (_, data)) in layer.channels.iter_mut().enumerate() {
         match data {
             ChannelData::F32(values) => values.extend(hits.iter().map(|hit| value(kind, k, hit))),
@@ -178,6 +225,7 @@ fn value(kind: LayerKind, k: usize, hit: &GpuFirstHit) -> f32 {
         LayerKind::Id
         | LayerKind::CryptoObject
         | LayerKind::CryptoMaterial
+        | LayerKind::Motion
         | LayerKind::Variance => 0.0,
     }
 }

@@ -295,6 +295,8 @@ impl GpuFirstHit {
             self.material = more.material;
             self.source = more.source;
             self.instance = more.instance;
+            self.weights = more.weights;
+            self.centre_depth = more.centre_depth;
             self.node_visits = more.node_visits;
             self.primitive_visits = more.primitive_visits;
         }

@@ -14,6 +14,11 @@ impl Camera {
     /// picture's upper left corner and (1, 1) in the lower right one. Through a lens it is where the
     /// ray through its centre goes.
     pub fn world_to_ndc(&self, resolution: (u32, u32)) -> [f32; 16] {
+        as_floats(self.ndc_from_world(resolution))
+    }
+
+    /// For column vectors, as [`Self::world_to_ndc`] is for rows.
+    pub(crate) fn ndc_from_world(&self, resolution: (u32, u32)) -> DMat4 {
         let aspect = f64::from(resolution.0) / f64::from(resolution.1);
         // z is of no use there; its choice keeps the matrix invertible.
         let (half_height, z, w) = match self.projection {
@@ -22,7 +27,7 @@ impl Camera {
         };
         let x = DVec4::X * (0.5 / (half_height * aspect)) + w * 0.5;
         let y = DVec4::Y * (-0.5 / half_height) + w * 0.5;
-        as_floats(DMat4::from_cols(x, y, z, w).transpose() * self.camera_from_world())
+        DMat4::from_cols(x, y, z, w).transpose() * self.camera_from_world()
     }
 
     fn camera_from_world(&self) -> DMat4 {

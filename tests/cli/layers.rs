@@ -1,7 +1,9 @@
 //! `--layers`, and what an EXR says beside its pixels.
 
 use super::{FURNACE_BOX, Program, QUAD_LIGHT, scene, talk};
-use serde_json::Value;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use serde_json::{Value, json};
 use steradian::image::{Attribute, ChannelData, ExrImage, read_exr};
 use steradian::layers::{float_of_hash, murmur3};
 
@@ -116,14 +118,21 @@ fn the_matrices_lead_from_positions_to_pixels() {
     assert!(count > 20, "{count} pixels");
 }
 
-/// Bands, tiles and crops have nothing to do with what is in a pixel.
+/// Bands, tiles and crops have nothing to do with what is in a pixel. Both the layers that are
+/// traced and the file are made in bands of 256 rows of this picture.
 #[test]
 fn a_crop_has_the_layers_of_the_whole() {
     let program = Program::new();
-    let base = ["--layers", "all"];
-    let all = triangle(&program, &base);
-    let crop = triangle(&program, &[&base[..], &["--crop", "9,3,13,9"]].concat());
-    assert_eq!((crop.resolution, crop.window.x, crop.window.y), ((32, 16), 9, 3));
+    scene::write(&program.path("triangle.gltf"), &scene::triangle());
+    let render = |name: &str, flags: &[&str]| {
+        let call = ["render", "triangle.gltf", "-o", name, "--resolution", "1024x290"];
+        let base = ["--spp", "2", "--block", "1", "--layers", "all", "--layer-rays", "2"];
+        program.succeed(&[&call[..], &base, flags].concat());
+        exr(&program, name)
+    };
+    let all = render("whole.exr", &[]);
+    let crop = render("crop.exr", &["--crop", "400,250,130,12"]);
+    assert_eq!((crop.resolution, crop.window.x, crop.window.y), ((1024, 290), 400, 250));
     let mut count = 0;
     for layer in &crop.layers {
         for (name, data) in &layer.channels {
@@ -133,18 +142,15 @@ fn a_crop_has_the_layers_of_the_whole() {
             };
             let (part, of_all) = (bits(data), bits(all.channel(&layer.name, name).unwrap()));
             for (i, value) in part.iter().enumerate() {
-                assert_eq!(
-                    *value,
-                    of_all[(i / 13 + 3) * 32 + i % 13 + 9],
-                    "{}.{name} {i}",
-                    layer.name
-                );
+                let same = of_all[(i / 130 + 250) * 1024 + i % 130 + 400];
+                assert_eq!(*value, same, "{}.{name} {i}", layer.name);
             }
             count += 1;
         }
     }
     // RGBZ; noise; albedo, N, Ng, P; uv, id; coverage, variance; six levels of four.
     assert_eq!(count, 4 + 2 + 12 + 4 + 2 + 24);
+    assert!(floats(&crop, "coverage", "A").iter().any(|a| *a == 1.0));
 }
 
 #[test]
@@ -236,6 +242,7 @@ fn flags_that_make_no_sense_are_refused_before_rendering() {
         (&["-o", "a.exr", "--layers", "N", "--layer-rays", "0"], "--layer-rays"),
         (&["-o", "-"], "--format"),
         (&["-o", "a.exr", "--format", "exr"], "--format"),
+        (&["-o", "a.exr", "--layers", "motion"], "--frame-time"),
         (&["-o", "a.exr", "--layers", "N", "--view", "depth"], "--view"),
     ];
     for (flags, word) in cases {
@@ -261,4 +268,66 @@ fn a_denoiser_that_is_not_there_is_told_of() {
         assert_eq!(said.lines().count(), 1, "{said}");
     }
     assert!(program.files().is_empty());
+}
+
+/// The triangle's scene with an animation of one second that moves `node` by `path`, evenly.
+fn moving(node: usize, path: [f32; 3], from: [f32; 3]) -> Value {
+    let to: [f32; 3] = std::array::from_fn(|k| from[k] + path[k]);
+    let numbers = [&[0.0, 1.0][..], &from, &to].concat();
+    let bytes: Vec<u8> = numbers.iter().flat_map(|v: &f32| v.to_le_bytes()).collect();
+    let mut scene = scene::triangle();
+    let mut push = |member: &str, value: Value| scene[member].as_array_mut().unwrap().push(value);
+    let uri = format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(&bytes));
+    push("buffers", json!({ "byteLength": 32, "uri": uri }));
+    push("bufferViews", json!({ "buffer": 1, "byteLength": 8 }));
+    push("bufferViews", json!({ "buffer": 1, "byteOffset": 8, "byteLength": 24 }));
+    push(
+        "accessors",
+        json!({
+            "bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0.0], "max": [1.0]
+        }),
+    );
+    push(
+        "accessors",
+        json!({ "bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3" }),
+    );
+    scene["animations"] = json!([{
+        "channels": [{ "sampler": 0, "target": { "node": node, "path": "translation" } }],
+        "samplers": [{ "input": 1, "output": 2 }]
+    }]);
+    scene
+}
+
+/// Things and the camera move by known ways between the two times.
+#[test]
+fn motion_is_what_moves_in_the_picture() {
+    let program = Program::new();
+    // A pixel's height 4 m away, and a step of a quarter of a second.
+    let row_height = 4.0 * 0.5_f32.tan() / 8.0;
+    let cases = [
+        // The triangle: 0.3 m to the right, 0.6 m down.
+        (moving(0, [1.2, -2.4, 0.0], [0.0; 3]), [0.3 / row_height, 0.6 / row_height], [0.0, 0.0]),
+        // The camera, by as much: things go the other way, and what is far away stays.
+        (
+            moving(1, [1.2, -2.4, 0.0], [0.0, 0.0, 4.0]),
+            [-0.3 / row_height, -0.6 / row_height],
+            [0.0, 0.0],
+        ),
+    ];
+    for (scene, of_hits, of_background) in cases {
+        scene::write(&program.path("moving.gltf"), &scene);
+        let call = ["render", "moving.gltf", "-o", "a.exr", "--resolution", "32x16", "--spp", "4"];
+        let layers = ["--layers", "motion,id", "--frame-time", "0.5", "--motion-step", "0.25"];
+        program.succeed(&[&call[..], &layers].concat());
+        let image = exr(&program, "a.exr");
+        let mut hits = 0;
+        for (i, object) in whole(&image, "id", "object").iter().enumerate() {
+            let expected = if *object == 0 { of_hits } else { of_background };
+            let moved = ["X", "Y"].map(|axis| floats(&image, "motion", axis)[i]);
+            let error = (moved[0] - expected[0]).abs().max((moved[1] - expected[1]).abs());
+            assert!(error < 1e-4, "pixel {i}, object {object}: {moved:?}, not {expected:?}");
+            hits += usize::from(*object == 0);
+        }
+        assert!(hits > 5, "{hits}");
+    }
 }
