@@ -215,7 +215,7 @@ mod tests {
         assert_eq!(file.section::<f64>("numbers", 3).unwrap(), [1.5, -2.0, 1e300]);
         assert!(file.section::<u8>("nothing", 0).unwrap().is_empty());
         assert_eq!(
-            file.section("words", 3 * CHUNK / 4 + 1).unwrap(),
+            file.section::<u32>("words", 3 * CHUNK / 4 + 1).unwrap(),
             vec![0x0707_0707_u32; 3 * CHUNK / 4 + 1]
         );
         assert!(file.has("words") && !file.has("others"));
