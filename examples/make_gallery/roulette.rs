@@ -21,8 +21,8 @@ const SPP: u32 = 1024;
 /// of this scene is beyond.
 const LIMIT: u32 = 100;
 const MODULE: &str = "path/path";
-const OWN: &str = "clamp(max_component(p.throughput) / p.eta_scale, ROULETTE_LEAST, 1.0)";
-const START: &str = "const ROULETTE_START: u32 = 5u;";
+const OWN: &str = "clamp(sqrt(2.0 * kept), ROULETTE_LEAST, 1.0)";
+const START: &str = "const ROULETTE_START: u32 = 3u;";
 
 /// The program's shaders with a constant probability of going on, from the first bounce.
 fn constant(probability: f32) -> Result<Library, String> {
@@ -137,7 +137,7 @@ pub(crate) fn run(_: &Program) -> Result<String, String> {
          samples per pixel, at most {LIMIT} bounces. Roulette shortens paths and adds noise; what counts is\n\
          error × rays. All have the same mean: the last column is the difference of the mean luminance\n\
          from the reference's in standard errors of both (one seed for all, so they are alike). The\n\
-         program's own begins at bounce 5 and goes on with the probability of the path's throughput; a\n\
+         program's own begins at bounce 3 and goes on with the root of twice the path's throughput; a\n\
          constant probability is no option of the program: the study puts it into the shader.\n\n{}\n\
          Reference: by Mitsuba 3, 131,072 samples per pixel (`tests/references`); ε {}.\n\n\
          The first two are `steradian render scenes/cornell-box/cornell-box.gltf --resolution 32x32\n\

@@ -23,12 +23,14 @@
 #import path/media
 #endif
 
-// Roulette begins at this bounce, and never lets a path go on with a smaller probability than
-// this. A path that has lost nothing goes on: were it ended by chance, the weight of those that
-// survive, and the variance with it, would grow without bound where the albedo is above 0.97.
+// Roulette begins at this bounce. A path that keeps the share a of its light goes on with probability
+// sqrt(2 a), and never with a smaller one than this: both the light that it may still bring and what is
+// lost with it grow with a, so that the best probability grows with its root (docs/kernels.md). One that has
+// lost less than half goes on: were it ended by chance, the weight of those that survive, and the
+// variance with it, would grow without bound where the albedo is near 1.
 // So after roulette no path weighs more than 1, or than its samples weighed.
-const ROULETTE_START: u32 = 5u;
-const ROULETTE_LEAST: f32 = 0.05;
+const ROULETTE_START: u32 = 3u;
+const ROULETTE_LEAST: f32 = 0.1;
 #if ROULETTE
 #if DELTA
 // That would go on for ever where light is caught, by total reflection round the inside of a ball:
@@ -166,7 +168,7 @@ fn path_scatter(path: Path, s: Surface, b: Bsdf, frame_s: mat3x3<f32>, u: vec2<f
 #if PATH_REUSE
         kept *= p.prefix;
 #endif
-        var q = clamp(kept, ROULETTE_LEAST, 1.0);
+        var q = clamp(sqrt(2.0 * kept), ROULETTE_LEAST, 1.0);
 #if DELTA
         p.delta_run = select(0u, p.delta_run + 1u, scattered.pdf == PDF_DELTA);
         q = select(q, min(q, DELTA_SURVIVAL), p.delta_run > DELTA_RUN);
