@@ -22,7 +22,7 @@ SPEED ?= docs/speed.md
 PYTHON ?= python3
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-viewer test-report compare-study numerics gallery scenes bench fuzz lint fmt-check clean
+.PHONY: help setup demo test test-viewer test-report compare-study numerics gallery scenes bench fuzz kill-study test-slurm test-openjd lint fmt-check clean
 
 help: ## List the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
@@ -41,6 +41,17 @@ test: setup ## Run all tests, the window's among them
 
 test-viewer: setup ## Open the real window on a display of its own, drive it, look at its pixels
 	tools/test_viewer.sh
+
+test-slurm: setup ## Shards on Slurm, two nodes on this machine, one of them killed; as root
+	$(CARGO) build --release
+	tools/test_slurm.sh target/release/steradian
+
+test-openjd: setup ## Shards by the Open Job Description template; needs openjd-cli
+	$(CARGO) build --release
+	tools/test_openjd.sh target/release/steradian
+
+kill-study: setup ## Kill two renders 50 times each at random moments; they end with the same bytes
+	$(CARGO) test --release --test cli fifty_kills -- --include-ignored --nocapture
 
 test-report: setup ## Click through a report in headless Chromium; needs Node.js
 	$(CARGO) build --release

@@ -34,6 +34,9 @@ pub enum Error {
     /// The device failed while rendering; a retry may succeed.
     #[error("{0}")]
     DeviceLost(String),
+    /// The machine has not enough of something now; a retry may succeed.
+    #[error("{0}")]
+    Busy(String),
     /// A composed shader did not validate: a defect of this program.
     #[error("shader {entry}: {message}")]
     Shader {
@@ -66,7 +69,7 @@ impl Error {
             Self::Settings(_) => 2,
             Self::Scene { .. } | Self::Limit(_) => 3,
             Self::NoDevice(_) => 4,
-            Self::DeviceLost(_) => 75,
+            Self::DeviceLost(_) | Self::Busy(_) => 75,
         }
     }
 }

@@ -184,6 +184,15 @@ impl RenderSettings {
         }
     }
 
+    /// Bytes of the host's memory that the film of a render takes.
+    pub fn film_bytes(&self) -> u64 {
+        let window = self.window();
+        match self.stopping_rule() {
+            Some(rule) => Film::bytes(window, rule.unit(), None, self.spp),
+            None => Film::bytes(window, self.block_size, Some(&self.samples()), self.spp),
+        }
+    }
+
     /// Whether paths are shared: those of one bounce are not.
     pub fn shares_paths(&self) -> bool {
         self.path_reuse && self.max_bounces.is_none_or(|n| n > 1)

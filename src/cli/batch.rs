@@ -28,7 +28,10 @@ pub(super) fn run(flags: &RenderFlags, frames: &[Frame], shard: Option<Shard>) -
     }
     use_threads(flags.threads)?;
     let verbosity = flags.verbosity();
-    let session = Session::new(flags.device.as_deref(), frames.len() > 1);
+    let mut session = Session::new(flags.device.as_deref(), frames.len() > 1);
+    if flags.farm.checkpoint.is_some() {
+        session.try_again_if_stopped()?;
+    }
     let mut skipped = 0;
     for (index, frame) in frames.iter().enumerate() {
         if let Some(code) = batch.stopped(&session, index) {

@@ -7,7 +7,7 @@ use super::picture_layers::PictureLayers;
 use super::progress::while_busy;
 use super::render::Call;
 use super::report::{self, Outcome};
-use super::talk;
+use super::{memory, talk};
 use std::process::ExitCode;
 use std::sync::Arc;
 use steradian::gpu::Device;
@@ -15,7 +15,7 @@ use steradian::{Error, Renderer, Result};
 
 /// Stopped, with a checkpoint that the same command with `--resume` goes on from (sysexits.h:
 /// EX_TEMPFAIL).
-const TRY_AGAIN: u8 = 75;
+pub(super) const TRY_AGAIN: u8 = 75;
 /// 128 and the number of SIGTERM, by which schedulers end what they will start again.
 const TERMINATED: u8 = 143;
 
@@ -45,6 +45,7 @@ impl<'a> DeviceRender<'a> {
     /// Opens the device and builds.
     pub(super) fn open(call: &'a Call<'a>, job: &'a Job) -> Result<Self> {
         let drill = Drill::from_environment()?;
+        memory::check(job, call.flags.layers.denoise.is_some())?;
         let (device, renderer, layers) = build(call, job)?;
         Ok(Self { call, job, device, renderer, layers, drill, has_lost_device: false })
     }

@@ -19,6 +19,7 @@ mod identity;
 mod info;
 pub(crate) mod job;
 pub(crate) mod layer_flags;
+mod memory;
 mod merge;
 mod names;
 pub(crate) mod output;

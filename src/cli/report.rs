@@ -3,8 +3,8 @@
 use super::destination::Destinations;
 use super::job::Job;
 use super::picture_layers::PictureLayers;
-use super::stopping;
 use super::talk::{self, Verbosity, with_prefix};
+use super::{memory, stopping};
 use std::time::Duration;
 use steradian::film::{ErrorEstimate, Film, PixelStop};
 use steradian::renderer::{FaultLocation, RenderStatistics};
@@ -76,6 +76,9 @@ pub(crate) fn outcome(
 ) {
     for line in summary(outcome, destinations, wall.as_secs_f64()) {
         verbosity.say(&line);
+    }
+    if let Some(bytes) = memory::peak() {
+        verbosity.detail(&format!("peak memory {}", talk::size(bytes)));
     }
     for notice in &outcome.job.scene.notices {
         match notice.treatment {

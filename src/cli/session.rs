@@ -1,7 +1,8 @@
 //! What frames of one call share.
 
+use super::device_render::TRY_AGAIN;
 use super::job::Job;
-use super::signals::StopRequest;
+use super::signals::{EarlyStop, StopRequest};
 use std::cell::{OnceCell, RefCell};
 use std::sync::Arc;
 use steradian::bvh::KeptTrees;
@@ -16,6 +17,8 @@ pub(super) struct Session<'a> {
     device_selector: Option<&'a str>,
     device: RefCell<Option<Arc<Device>>>,
     stop: OnceCell<StopRequest>,
+    /// Whether SIGTERM before the first render asks to be tried again.
+    early_stop: Option<EarlyStop>,
     /// Of the frame before; `None` where there is one frame.
     trees: Option<KeptTrees>,
 }
@@ -27,8 +30,16 @@ impl<'a> Session<'a> {
             device_selector,
             device: RefCell::default(),
             stop: OnceCell::new(),
+            early_stop: None,
             trees: has_frames.then(KeptTrees::default),
         }
+    }
+
+    /// SIGTERM before the first render begins, which has lost nothing, ends the program with the code of
+    /// those that are to be tried again.
+    pub(super) fn try_again_if_stopped(&mut self) -> Result<()> {
+        self.early_stop = Some(EarlyStop::listen(TRY_AGAIN)?);
+        Ok(())
     }
 
     /// The device, opened when it is first asked for.
@@ -60,6 +71,9 @@ impl<'a> Session<'a> {
             return Ok(stop);
         }
         let stop = StopRequest::listen()?;
+        if let Some(early) = &self.early_stop {
+            early.end();
+        }
         Ok(self.stop.get_or_init(|| stop))
     }
 

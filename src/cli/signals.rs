@@ -7,6 +7,24 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use steradian::{Error, Result};
 
+/// SIGTERM ends the program at once, with an exit code of its own.
+pub(crate) struct EarlyStop(Arc<AtomicBool>);
+
+impl EarlyStop {
+    /// Begins.
+    pub(crate) fn listen(exit_code: u8) -> Result<Self> {
+        let is_on = Arc::new(AtomicBool::new(true));
+        flag::register_conditional_shutdown(SIGTERM, exit_code.into(), is_on.clone())
+            .map_err(|e| Error::io("signal handlers", e))?;
+        Ok(Self(is_on))
+    }
+
+    /// From now on it does not.
+    pub(crate) fn end(&self) {
+        self.0.store(false, Ordering::SeqCst);
+    }
+}
+
 /// Remembers a request to stop.
 pub(crate) struct StopRequest {
     /// The number of the signal; 0 before any.

@@ -2,7 +2,7 @@
 
 use super::report::Outcome;
 use super::values::{STRATEGIES, word_for};
-use super::{reference, stopping};
+use super::{memory, reference, stopping};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -61,6 +61,8 @@ struct Stats<'a> {
     tree_depth: u32,
     sah_cost: f64,
     device_bytes: u64,
+    /// The most of the host's memory that the program has used so far.
+    peak_memory_bytes: Option<u64>,
     wgsl_lines: usize,
     /// Stopped by a signal.
     partial: bool,
@@ -168,6 +170,7 @@ fn stats<'a>(outcome: &Outcome<'a>) -> Stats<'a> {
         tree_depth: counts.tree_depth,
         sah_cost: counts.sah_cost,
         device_bytes: counts.device_bytes,
+        peak_memory_bytes: memory::peak(),
         wgsl_lines: counts.wgsl_lines,
         partial: outcome.is_partial(),
     }

@@ -2,6 +2,7 @@
 //! far they are from converged.
 
 mod file;
+mod memory;
 mod run_means;
 mod stored;
 mod sums;

@@ -3,6 +3,7 @@
 #![cfg(unix)]
 
 use super::{CORNELL_BOX, Program, talk};
+use std::collections::BTreeMap;
 use std::fs;
 use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
@@ -28,6 +29,7 @@ fn kill(child: &Child, signal: &str) {
 fn kill_until_done(program: &Program, arguments: &[&str], least: u32, signals: &[&str]) -> u32 {
     let mut state = 0x9E37_79B9_u32;
     let (mut ended, mut patience) = (0, Duration::from_millis(300));
+    let mut codes = BTreeMap::new();
     loop {
         state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
         let share = f64::from(state >> 8) / f64::from(1 << 24);
@@ -46,6 +48,7 @@ fn kill_until_done(program: &Program, arguments: &[&str], least: u32, signals: &
         };
         if let Some(status) = status {
             assert_eq!(status.code(), Some(0), "after {ended} kills");
+            eprintln!("{ended} kills, by signal and exit code: {codes:?}");
             return ended;
         }
         kill(&child, signal);
@@ -56,20 +59,27 @@ fn kill_until_done(program: &Program, arguments: &[&str], least: u32, signals: &
             return ended;
         }
         ended += 1;
+        *codes.entry((signal.to_owned(), code)).or_insert(0) += 1;
         // So that it comes further each time, whatever the machine's speed.
         patience = (patience + Duration::from_millis(40)).min(Duration::from_secs(10));
     }
 }
 
+/// At least 10 times, unless it has ended before.
 fn survives(settings: &[&'static str], signals: &[&str]) {
+    assert!(is_killed(settings, signals, 10) >= 3, "it ended too soon to be killed");
+}
+
+/// Gives how often.
+fn is_killed(settings: &[&'static str], signals: &[&str], least: u32) -> u32 {
     let program = Program::new();
     program.succeed(&render(CORNELL_BOX, "whole.exr", settings));
     let farm = ["--checkpoint", "c.film", "--checkpoint-every", "0.02s", "--resume"];
     let arguments = render(CORNELL_BOX, "killed.exr", &[settings, &farm].concat());
-    let kills = kill_until_done(&program, &arguments, 10, signals);
-    assert!(kills >= 3, "it ended too soon to be killed: {kills}");
+    let kills = kill_until_done(&program, &arguments, least, signals);
     assert_same(&program, "killed.exr", "whole.exr");
     assert!(!program.path("c.film").exists(), "the checkpoint of a render that is done");
+    kills
 }
 
 fn assert_same(program: &Program, a: &str, b: &str) {
@@ -86,6 +96,19 @@ fn a_render_that_is_killed_again_and_again_has_the_same_bytes() {
 fn so_has_one_whose_pixels_stop_one_by_one() {
     let adaptive = ["--resolution", "48x40", "--noise", "0.1", "--spp", "512"];
     survives(&adaptive, &["KILL", "TERM"]);
+}
+
+#[test]
+#[ignore = "takes minutes: make kill-study"]
+fn fifty_kills_each() {
+    let size = ["--resolution", "96x80"];
+    let signals = ["KILL", "TERM", "KILL", "TERM", "INT"];
+    let fixed = [&size[..], &["--spp", "2048"]].concat();
+    let adaptive = [&size[..], &["--noise", "0.02", "--spp", "4096"]].concat();
+    for settings in [fixed, adaptive] {
+        let kills = is_killed(&settings, &signals, 50);
+        assert!(kills >= 50, "{settings:?}: it ended after {kills} kills");
+    }
 }
 
 /// Fails with this exit code; gives what it said.
