@@ -119,20 +119,20 @@ fn the_matrices_lead_from_positions_to_pixels() {
 }
 
 /// Bands, tiles and crops have nothing to do with what is in a pixel. Both the layers that are
-/// traced and the file are made in bands of 256 rows of this picture.
+/// traced and the file are made in bands of 128 rows of this picture.
 #[test]
 fn a_crop_has_the_layers_of_the_whole() {
     let program = Program::new();
     scene::write(&program.path("triangle.gltf"), &scene::triangle());
     let render = |name: &str, flags: &[&str]| {
-        let call = ["render", "triangle.gltf", "-o", name, "--resolution", "1024x290"];
+        let call = ["render", "triangle.gltf", "-o", name, "--resolution", "2048x290"];
         let base = ["--spp", "2", "--block", "1", "--layers", "all", "--layer-rays", "2"];
         program.succeed(&[&call[..], &base, flags].concat());
         exr(&program, name)
     };
     let all = render("whole.exr", &[]);
-    let crop = render("crop.exr", &["--crop", "400,250,130,12"]);
-    assert_eq!((crop.resolution, crop.window.x, crop.window.y), ((1024, 290), 400, 250));
+    let crop = render("crop.exr", &["--crop", "980,120,130,16"]);
+    assert_eq!((crop.resolution, crop.window.x, crop.window.y), ((2048, 290), 980, 120));
     let mut count = 0;
     for layer in &crop.layers {
         for (name, data) in &layer.channels {
@@ -142,7 +142,7 @@ fn a_crop_has_the_layers_of_the_whole() {
             };
             let (part, of_all) = (bits(data), bits(all.channel(&layer.name, name).unwrap()));
             for (i, value) in part.iter().enumerate() {
-                let same = of_all[(i / 130 + 250) * 1024 + i % 130 + 400];
+                let same = of_all[(i / 130 + 120) * 2048 + i % 130 + 980];
                 assert_eq!(*value, same, "{}.{name} {i}", layer.name);
             }
             count += 1;
