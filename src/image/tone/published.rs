@@ -1,5 +1,11 @@
 //! The curves beside the numbers of others, which `tools/check_tone.py` prints.
 
+#![allow(
+    clippy::unreadable_literal,
+    clippy::excessive_precision,
+    reason = "numbers as they are published"
+)]
+
 use super::ToneCurve;
 
 type Table = [[f32; 3]; 8];
