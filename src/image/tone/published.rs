@@ -1,8 +1,8 @@
 //! The curves beside the numbers of others, which `tools/check_tone.py` prints.
 
 #![allow(
-    clippy::unreadable_literal,
     clippy::excessive_precision,
+    clippy::approx_constant,
     reason = "numbers as they are published"
 )]
 
