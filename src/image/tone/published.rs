@@ -1,5 +1,11 @@
 //! The curves beside the numbers of others, which `tools/check_tone.py` prints.
 
+#![allow(
+    clippy::excessive_precision,
+    clippy::approx_constant,
+    reason = "numbers as they are published"
+)]
+
 use super::ToneCurve;
 
 type Table = [[f32; 3]; 8];
