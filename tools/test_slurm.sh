@@ -170,7 +170,8 @@ disturb() { # job, folder
             [ -e "$folder/part-$part.checkpoint" ]
     }
     wait_for 'checkpoint on n1' checkpointed n1
-    scancel --batch --signal=TERM "${job}_$part"
+    # Not while Slurm is still at starting it.
+    wait_for 'signal' scancel --quiet --batch --signal=TERM "${job}_$part"
     say "part $part on n1: asked to stop"
     stopped=$part
     wait_for "end of part $stopped" is_gone "$pid"
