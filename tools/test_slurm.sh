@@ -40,15 +40,14 @@ work=$(mktemp -d /tmp/steradian-slurm-XXXXXX)
 # By which this script's processes are known.
 export STERADIAN_SLURM_TEST=$work
 
-# Processes of this script whose environment has all these entries.
+# Processes that this script started and whose environment has all these entries.
 ours() {
-    local directory entry
-    for directory in /proc/[0-9]*; do
-        for entry in "STERADIAN_SLURM_TEST=$work" "$@"; do
-            grep -qzxF -e "$entry" "$directory/environ" 2> /dev/null || continue 2
-        done
-        echo "${directory#/proc/}"
+    local entry files
+    files=$(grep -lsaF "STERADIAN_SLURM_TEST=$work" /proc/[0-9]*/environ || true)
+    for entry in "$@"; do
+        [ -z "$files" ] || files=$(grep -lszxF -e "$entry" $files || true)
     done
+    sed -n 's|^/proc/\([0-9]*\)/environ$|\1|p' <<< "$files"
 }
 cleanup() {
     local status=$? try pid
@@ -147,7 +146,7 @@ part_of() { tr '\0' '\n' < "/proc/$1/environ" | sed -n 's/^SLURM_ARRAY_TASK_ID=/
 round() { # name
     local name=$1 folder=$work/parts-$1 job merge pid part
     local begin=$SECONDS
-    export STERADIAN=$program CHECKPOINT_EVERY=0.3s LP_NUM_THREADS=1
+    export STERADIAN=$program CHECKPOINT_EVERY=0.1s LP_NUM_THREADS=1
     job=$(sbatch --parsable --array=0-7 --time=30 --output="$work/out/$name-%a.txt" \
         deploy/slurm/render.sbatch "$scene" "$folder" "${settings[@]}")
     merge=$(sbatch --parsable --dependency="afterany:$job" --time=5 \
@@ -170,7 +169,8 @@ disturb() { # job, folder
             [ -e "$folder/part-$part.checkpoint" ]
     }
     wait_for 'checkpoint on n1' checkpointed n1
-    scancel --batch --signal=TERM "${job}_$part"
+    # Slurm may say that it cannot, and does.
+    scancel --quiet --batch --signal=TERM "${job}_$part" 2> /dev/null || true
     say "part $part on n1: asked to stop"
     stopped=$part
     wait_for "end of part $stopped" is_gone "$pid"

@@ -43,8 +43,10 @@ def main():
     parser.add_argument("--parts", type=int, default=8)
     parser.add_argument("--program", default="steradian")
     parser.add_argument("--cpus", type=int, default=1)
-    parser.add_argument("flags", nargs="*", help="after --, for render")
-    arguments = parser.parse_args()
+    given = sys.argv[1:]
+    end = given.index("--") if "--" in given else len(given)
+    arguments = parser.parse_args(given[:end])
+    arguments.flags = given[end + 1 :]
     os.makedirs(arguments.folder, exist_ok=True)
 
     ray.init(log_to_driver=False)

@@ -101,10 +101,10 @@ fn so_has_one_whose_pixels_stop_one_by_one() {
 #[test]
 #[ignore = "takes minutes: make kill-study"]
 fn fifty_kills_each() {
-    let size = ["--resolution", "96x80"];
+    let size = ["--resolution", "64x48"];
     let signals = ["KILL", "TERM", "KILL", "TERM", "INT"];
-    let fixed = [&size[..], &["--spp", "2048"]].concat();
-    let adaptive = [&size[..], &["--noise", "0.02", "--spp", "4096"]].concat();
+    let fixed = [&size[..], &["--spp", "1024"]].concat();
+    let adaptive = [&size[..], &["--noise", "0.05", "--spp", "1024"]].concat();
     for settings in [fixed, adaptive] {
         let kills = is_killed(&settings, &signals, 50);
         assert!(kills >= 50, "{settings:?}: it ended after {kills} kills");
