@@ -3,13 +3,16 @@
 
 mod bad_input;
 mod bench;
+mod display;
 mod farm;
 mod flags;
 mod frames;
 mod layers;
+mod machines;
 mod pictures;
 mod reference;
 mod scene;
+mod settings_file;
 mod signals;
 mod stopping;
 #[cfg(feature = "viewer")]
