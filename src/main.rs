@@ -4,14 +4,12 @@ mod cli;
 #[cfg(feature = "viewer")]
 mod viewer;
 
-use clap::Parser;
 use std::panic::PanicHookInfo;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     std::panic::set_hook(Box::new(report_defect));
-    let arguments = cli::Arguments::parse();
-    match std::panic::catch_unwind(|| cli::run(&arguments)) {
+    match std::panic::catch_unwind(|| cli::run(&cli::parse()?)) {
         Ok(Ok(code)) => code,
         Ok(Err(error)) => {
             cli::talk::line(&format!("error: {error}"));

@@ -5,7 +5,7 @@ use super::flags::RenderFlags;
 use super::frames::Frame;
 use super::job::Job;
 use super::names::{Names, needs_camera};
-use super::progress::while_busy;
+use super::progress::{FramePlace, while_busy};
 use super::render::{Call, run_frame};
 use super::session::Session;
 use super::shard::Shard;
@@ -52,8 +52,9 @@ pub(super) fn run(flags: &RenderFlags, frames: &[Frame], shard: Option<Shard>) -
             shard::apply(&mut job, shard)?;
         }
         film_output::check(flags, shard, &destinations, &job)?;
-        let time = frame.time;
-        let call = Call { start, session: &session, flags, time, shard, destinations, verbosity };
+        let place = FramePlace { number: frame.number, index, count: frames.len() };
+        let (session, time) = (&session, frame.time);
+        let call = Call { start, session, flags, time, shard, destinations, verbosity, place };
         if flags.frames.skip_existing && existing::is_valid(&call, &job) {
             skipped += 1;
             for path in call.destinations.paths().take(1) {

@@ -4,6 +4,7 @@ use super::checkpoint::FarmFlags;
 use super::destination::PngFlags;
 use super::frames::FrameFlags;
 use super::layer_flags::LayerFlags;
+use super::machine_flags::MachineFlags;
 use super::scene_flags::SceneFlags;
 use super::stopping::{MAP_COLORS, StoppingFlags};
 use super::talk::Verbosity;
@@ -25,7 +26,7 @@ pub(crate) struct RenderFlags {
 
     /// The picture: .png (what a display shows) or .exr (linear radiance, 32-bit floats); - is
     /// standard output
-    #[arg(short, long, value_name = "FILE", required_unless_present = "pixel")]
+    #[arg(short, long, value_name = "FILE", required_unless_present_any = ["pixel", "dump_settings"])]
     pub(crate) output: Option<PathBuf>,
 
     /// Statistics of the render as JSON
@@ -61,6 +62,9 @@ pub(crate) struct RenderFlags {
 
     #[command(flatten)]
     pub(crate) frames: FrameFlags,
+
+    #[command(flatten)]
+    pub(crate) machine: MachineFlags,
 
     #[command(flatten)]
     pub(crate) job: JobFlags,

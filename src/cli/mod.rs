@@ -9,6 +9,7 @@ mod compare_flags;
 pub(crate) mod destination;
 mod device_render;
 mod devices;
+mod display;
 mod drill;
 mod existing;
 mod exr_file;
@@ -19,10 +20,13 @@ mod identity;
 mod info;
 pub(crate) mod job;
 pub(crate) mod layer_flags;
+mod log;
+mod machine_flags;
 mod memory;
 mod merge;
 mod names;
 pub(crate) mod output;
+mod pages;
 mod picture_layers;
 mod progress;
 mod reference;
@@ -31,6 +35,7 @@ pub(crate) mod report;
 mod rescue;
 pub(crate) mod scene_flags;
 mod session;
+mod settings_file;
 mod shard;
 pub(crate) mod signals;
 mod stats;
@@ -39,7 +44,7 @@ pub(crate) mod talk;
 pub(crate) mod values;
 pub(crate) mod view;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 use steradian::Result;
 
@@ -72,6 +77,23 @@ enum Command {
     Merge(Box<merge::MergeFlags>),
     /// List the devices that can render
     Devices,
+    /// Print the completions of a shell
+    Completions(pages::CompletionFlags),
+    /// Write the manual pages into a folder
+    Man(pages::ManFlags),
+}
+
+/// The arguments of this process. Ends it where they are wrong, and after `--help`.
+pub(crate) fn parse() -> Result<Arguments> {
+    let words = settings_file::expand(std::env::args_os().collect())?;
+    let matches = Arguments::command().get_matches_from(words);
+    let mut arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
+    if let Command::Render(flags) = &mut arguments.command
+        && let Some(render) = matches.subcommand_matches("render")
+    {
+        flags.machine.dumped = settings_file::dump(render);
+    }
+    Ok(arguments)
 }
 
 /// Does what the arguments ask for.
@@ -85,13 +107,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Compare(flags) => compare::run(flags),
         Command::Merge(flags) => merge::run(flags),
         Command::Devices => devices::run(),
+        Command::Completions(flags) => pages::complete(flags),
+        Command::Man(flags) => pages::man(flags),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_flags_do_not_contradict_each_other() {

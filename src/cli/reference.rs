@@ -1,7 +1,7 @@
 //! `steradian render --reference`: no device, no kernel.
 
 use super::job::Job;
-use super::progress::{Progress, while_busy};
+use super::progress::while_busy;
 use super::render::Call;
 use super::report::{self, Outcome};
 use super::talk;
@@ -26,7 +26,7 @@ pub(super) fn run(call: &Call, job: &Job) -> Result<ExitCode> {
     verbosity.detail(&format!("tree built in {}", talk::duration(bvh_seconds)));
 
     let stop = call.session.stop()?;
-    let mut progress = Progress::start(verbosity);
+    let mut progress = call.progress();
     let begin = Instant::now();
     let (film, tally) = reference.render(|done| {
         progress.update(done);

@@ -3,16 +3,17 @@
 use super::checkpoint::Checkpoint;
 use super::destination::{Destinations, Picture};
 use super::device_render::DeviceRender;
+use super::display::Display;
 use super::flags::RenderFlags;
 use super::job::Job;
 use super::layer_flags::STANDARD_OUTPUT;
-use super::progress::Progress;
+use super::progress::{FramePlace, Progress};
 use super::report::{self, Outcome};
 use super::rescue::or_elsewhere;
 use super::session::Session;
 use super::shard::Shard;
 use super::talk::Verbosity;
-use super::{batch, film_output, output, reference, stats, view};
+use super::{batch, film_output, output, reference, stats, talk, view};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -30,10 +31,16 @@ pub(super) struct Call<'a> {
     pub(super) shard: Option<Shard>,
     pub(super) destinations: Destinations,
     pub(super) verbosity: Verbosity,
+    pub(super) place: FramePlace,
 }
 
 /// Renders the frames that are asked for.
 pub(super) fn run(flags: &RenderFlags) -> Result<ExitCode> {
+    if flags.machine.dump_settings {
+        talk::data(&flags.machine.dumped)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    flags.machine.set_up(flags.output.as_deref())?;
     view::check(flags)?;
     let mut frames = flags.frames.list(flags.job.scene.frame_time);
     let shard = flags.farm.shard;
@@ -60,10 +67,12 @@ fn run_on_device(call: &Call, job: &Job) -> Result<ExitCode> {
     let mut checkpoint = Checkpoint::begin(call, job, render.device.info(), &mut render.renderer)?;
     let stop = call.session.stop()?;
     report::renderer(call.verbosity, render.renderer.statistics());
-    let mut progress = Progress::start(call.verbosity);
+    let mut progress = call.progress();
+    let mut display = call.display(job);
     // At least one step, so that there is a picture however early the signal comes.
     while render.step(&mut checkpoint)? && stop.exit_code().is_none() {
         progress.update(render.renderer.progress());
+        display.update(&render.renderer);
         if stop.wants_snapshot() {
             progress = progress.break_for(|| render.write_snapshot())?;
         }
@@ -71,11 +80,24 @@ fn run_on_device(call: &Call, job: &Job) -> Result<ExitCode> {
             checkpoint.keep_if_due(&render.renderer)?;
         }
     }
+    display.finish(&render.renderer);
     progress.end();
     render.conclude(checkpoint, stop.exit_code())
 }
 
 impl Call<'_> {
+    /// Progress of this frame.
+    pub(super) fn progress(&self) -> Progress {
+        Progress::start(self.flags.machine.progress, self.verbosity, self.place)
+    }
+
+    /// The viewer that is to show this frame, if one is.
+    fn display(&self, job: &Job) -> Display<'_> {
+        let picture = self.destinations.picture.as_ref();
+        let name = picture.map_or(job.scene.name.clone(), |p| p.path.display().to_string());
+        Display::new(self.flags.machine.display_server.as_deref(), &name)
+    }
+
     /// Writes the files and says what came of it.
     pub(super) fn conclude(&self, outcome: &Outcome) -> Result<ExitCode> {
         self.write(outcome)?;

@@ -1,6 +1,7 @@
 //! Standard output and standard error. A reader that has gone away is not an
 //! error worth a message, let alone a panic.
 
+use super::log::{self, Fields, Level, level_of};
 use std::io::{ErrorKind, Write};
 use steradian::{Error, Result};
 
@@ -17,8 +18,7 @@ pub(crate) enum Verbosity {
 
 /// One line to standard error.
 pub(crate) fn line(text: &str) {
-    // There is nowhere to tell of a failure.
-    let _ = writeln!(std::io::stderr(), "{text}");
+    log::emit(level_of(text), true, text, Fields::new());
 }
 
 /// Text, complete with line ends, to standard output.
@@ -34,16 +34,12 @@ pub(crate) fn data(text: &str) -> Result<()> {
 impl Verbosity {
     /// A line that `--quiet` leaves out.
     pub(crate) fn say(self, text: &str) {
-        if self >= Self::Normal {
-            line(text);
-        }
+        log::emit(level_of(text), self >= Self::Normal, text, Fields::new());
     }
 
     /// A line for `--verbose`.
     pub(crate) fn detail(self, text: &str) {
-        if self >= Self::Verbose {
-            line(text);
-        }
+        log::emit(Level::Debug, self >= Self::Verbose, text, Fields::new());
     }
 }
 

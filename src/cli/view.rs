@@ -38,6 +38,7 @@ pub(super) fn check(flags: &RenderFlags) -> Result<()> {
         ("--stats", flags.stats.is_some()),
         ("--sample-map", flags.sample_map.is_some()),
         ("--time", stopping.time.is_some()),
+        ("--display-server", flags.machine.display_server.is_some()),
         ("--noise and --adaptive", stopping.rule().is_some()),
         ("--reference", flags.job.sampling.reference),
     ];

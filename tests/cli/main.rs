@@ -3,14 +3,17 @@
 
 mod bad_input;
 mod bench;
+mod display;
 mod exit_codes;
 mod farm;
 mod flags;
 mod frames;
 mod layers;
+mod machines;
 mod pictures;
 mod reference;
 mod scene;
+mod settings_file;
 mod signals;
 mod stopping;
 #[cfg(feature = "viewer")]
