@@ -15,7 +15,7 @@ shift
 rounds=("${@:-}")
 [ -n "${rounds[0]}" ] || rounds=(undisturbed killed)
 scene=$PWD/scenes/cornell-box/cornell-box.gltf
-settings=(--resolution 128x128 --spp 128)
+settings=(--resolution 128x128 --spp 64)
 # Seconds for one round.
 patience=${PATIENCE:-900}
 
@@ -92,7 +92,8 @@ SlurmUser=root
 SlurmdUser=root
 AuthType=auth/munge
 CredType=cred/munge
-AuthInfo=socket=$work/munge/socket
+# The second is also how long a task that is put back waits, 120 s by default.
+AuthInfo=socket=$work/munge/socket,cred_expire=20
 ProctrackType=proctrack/linuxproc
 TaskPlugin=task/none
 ReturnToService=2
@@ -152,7 +153,7 @@ round() { # name
     merge=$(sbatch --parsable --dependency="afterany:$job" --time=5 \
         --output="$work/out/$name-merge.txt" deploy/slurm/merge.sbatch "$folder" "$work/$name.exr")
     if [ "$name" = killed ]; then
-        disturb "$job" "$folder"
+        disturb "$folder"
     fi
     wait_for 'end of the jobs' is_done "$merge"
     [ -e "$work/$name.exr" ] || fail "$name: no picture"
@@ -161,16 +162,16 @@ round() { # name
 }
 
 # A task with a checkpoint is asked to stop; then all of node n2 is killed while it renders.
-disturb() { # job, folder
-    local job=$1 folder=$2 pid part node daemon
+disturb() { # folder
+    local folder=$1 pid part node daemon
     checkpointed() { # node; sets pid and part
         pid=$(render_on "$1" | head -n 1)
         [ -n "$pid" ] && part=$(part_of "$pid") && [ -n "$part" ] &&
             [ -e "$folder/part-$part.checkpoint" ]
     }
     wait_for 'checkpoint on n1' checkpointed n1
-    # Slurm may say that it cannot, and does.
-    scancel --quiet --batch --signal=TERM "${job}_$part" 2> /dev/null || true
+    # The process of the batch script, to which --signal=B:TERM goes.
+    kill -TERM "$pid"
     say "part $part on n1: asked to stop"
     stopped=$part
     wait_for "end of part $stopped" is_gone "$pid"
