@@ -14,7 +14,7 @@ const DEFAULT_ROWS: u32 = 512;
 /// Samples of a block where there are enough of them.
 const LARGEST_DEFAULT_BLOCK: u32 = 16;
 
-/// Most pixels of one render. Each takes about 130 bytes of memory: 33 GiB.
+/// Most pixels of one render, whose film alone takes 46 GiB or more.
 const MAX_PIXELS: u64 = 1 << 28;
 
 /// What to render, checked.

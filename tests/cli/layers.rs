@@ -150,7 +150,7 @@ fn a_crop_has_the_layers_of_the_whole() {
     }
     // RGBZ; noise; albedo, N, Ng, P; uv, id; coverage, variance; six levels of four.
     assert_eq!(count, 4 + 2 + 12 + 4 + 2 + 24);
-    assert!(floats(&crop, "coverage", "A").iter().any(|a| *a == 1.0));
+    assert!(floats(&crop, "coverage", "A").contains(&1.0));
 }
 
 #[test]

@@ -307,5 +307,5 @@ fn add(method: &mut Method, point: usize, taken: &Taken, reference: &Reference) 
 
 /// Most memory held so far, in words.
 pub(super) fn peak_memory() -> String {
-    clock::peak_bytes().map_or("not known here".into(), talk::size)
+    crate::cli::memory::peak().map_or("not known here".into(), talk::size)
 }
