@@ -62,12 +62,12 @@ pub(super) fn run(flags: &RenderFlags, frames: &[Frame], shard: Option<Shard>) -
             }
             continue;
         }
-        if let Some(code) = batch.stopped(&session, index) {
+        if let Some(code) = batch.stopped(session, index) {
             return Ok(code);
         }
         let code = run_frame(&call, &job)?;
         if code != ExitCode::SUCCESS {
-            batch.stopped(&session, index + 1);
+            batch.stopped(session, index + 1);
             return Ok(code);
         }
     }

@@ -1,6 +1,5 @@
 //! All methods on one scene: references, rounds by turns, and what the scene costs beside.
 
-use super::clock;
 use super::flags::BenchFlags;
 use super::lane::{Lane, Ours, Taken};
 use super::mitsuba::{Mitsuba, Server};
