@@ -21,7 +21,7 @@ use steradian::{Error, Result};
 pub(super) fn run(flags: &RenderFlags, frames: &[Frame], shard: Option<Shard>) -> Result<ExitCode> {
     let begin = Instant::now();
     let batch = Batch { flags, frames };
-    let templates = [&flags.output, &flags.stats, &flags.sample_map];
+    let templates = [&flags.output, &flags.stats, &flags.sample_map, &flags.farm.checkpoint];
     let mut is_checked = !templates.into_iter().flatten().any(|path| needs_camera(path));
     if is_checked {
         batch.check_names(None)?;

@@ -175,7 +175,7 @@ fn shells_complete_and_manuals_have_pages() {
     let check = Command::new("bash").arg("-n").arg(program.path("bash")).output().unwrap();
     assert!(check.status.success(), "{check:?}");
     // The function proposes what is asked for.
-    let asks = "source bash; COMP_WORDS=(steradian render --skip); COMP_CWORD=2; \
+    let asks = "source ./bash; COMP_WORDS=(steradian render --skip); COMP_CWORD=2; \
                 _steradian steradian --skip render; echo \"${COMPREPLY[@]}\"";
     let answer = program.folder.path();
     let answer = Command::new("bash").args(["-c", asks]).current_dir(answer).output().unwrap();
