@@ -24,62 +24,96 @@ fn kill(child: &Child, signal: &str) {
     let _ = Command::new("sh").args(["-c", &kill]).stderr(Stdio::null()).status();
 }
 
-/// Ends it at different moments of its life, `-9` or asked, until it has ended by itself. Gives how
-/// often it was ended.
-fn kill_until_done(program: &Program, arguments: &[&str], least: u32, signals: &[&str]) -> u32 {
+/// What killing a render came to.
+struct Kills {
+    count: u32,
+    /// Times that it went on from the middle.
+    resumed: u32,
+}
+
+/// How long a render takes to begin, and to end if it is left alone.
+#[derive(Clone, Copy)]
+struct Life {
+    begin: Duration,
+    end: Duration,
+}
+
+impl Life {
+    fn of(program: &Program, name: &'static str, settings: &[&'static str]) -> Self {
+        let time = |more: &[&'static str]| {
+            let begin = Instant::now();
+            program.succeed(&render(CORNELL_BOX, name, &[settings, more].concat()));
+            begin.elapsed()
+        };
+        // The crop has the same kernels and next to nothing to trace; the whole comes last and stays.
+        let begin = time(&["--crop", "0,0,1,1"]);
+        Self { begin, end: time(&[]) }
+    }
+
+    /// A moment to end the render at, `share` being 0 to 1: some before it has begun to trace, and so
+    /// that most of it is done when it has been ended `times` times.
+    fn moment(&self, share: f64, times: u32) -> Duration {
+        let work = self.end.saturating_sub(self.begin).as_secs_f64() * 1.6 / f64::from(times);
+        let begin = self.begin.as_secs_f64();
+        Duration::from_secs_f64(0.9 * begin + (0.1 * begin + work) * share)
+    }
+}
+
+/// Ends a render at different moments, `-9` or asked, `most` times or until it has ended by itself.
+fn kill_until_done(
+    program: &Program,
+    arguments: &[&str],
+    life: Life,
+    most: u32,
+    signals: &[&str],
+) -> Kills {
     let mut state = 0x9E37_79B9_u32;
-    let (mut ended, mut patience) = (0, Duration::from_millis(300));
+    let mut kills = Kills { count: 0, resumed: 0 };
     let mut codes = BTreeMap::new();
     loop {
         state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
         let share = f64::from(state >> 8) / f64::from(1 << 24);
-        let life = if ended < least { patience.mul_f64(share) } else { Duration::from_secs(60) };
-        let signal = signals[ended as usize % signals.len()];
+        let end = match kills.count < most {
+            true => life.moment(share, most),
+            false => Duration::from_secs(60),
+        };
+        let signal = signals[kills.count as usize % signals.len()];
         let mut child = program.command(arguments).stderr(Stdio::piped()).spawn().unwrap();
         let begin = Instant::now();
-        let status = loop {
-            if let Some(status) = child.try_wait().unwrap() {
-                break Some(status);
-            }
-            if begin.elapsed() >= life {
-                break None;
-            }
+        while child.try_wait().unwrap().is_none() && begin.elapsed() < end {
             sleep(Duration::from_millis(2));
-        };
-        if let Some(status) = status {
-            assert_eq!(status.code(), Some(0), "after {ended} kills");
-            eprintln!("{ended} kills, by signal and exit code: {codes:?}");
-            return ended;
         }
-        kill(&child, signal);
+        let has_ended = child.try_wait().unwrap().is_some();
+        if !has_ended {
+            kill(&child, signal);
+        }
         let output = child.wait_with_output().unwrap();
-        let code = output.status.code();
-        assert!(matches!(code, None | Some(0 | 75 | 130 | 143)), "{code:?}: {}", talk(&output));
+        let (code, said) = (output.status.code(), talk(&output));
+        let from = said.split("going on from c.film, ").nth(1);
+        kills.resumed += u32::from(from.is_some_and(|share| !share.starts_with("0.0 %")));
         if code == Some(0) {
-            return ended;
+            eprintln!("{} kills, by signal and exit code: {codes:?}", kills.count);
+            return kills;
         }
-        ended += 1;
+        assert!(!has_ended && matches!(code, None | Some(75 | 130 | 143)), "{code:?}: {said}");
+        kills.count += 1;
         *codes.entry((signal.to_owned(), code)).or_insert(0) += 1;
-        // So that it comes further each time, whatever the machine's speed.
-        patience = (patience + Duration::from_millis(40)).min(Duration::from_secs(10));
     }
 }
 
-/// At least 10 times, unless it has ended before.
-fn survives(settings: &[&'static str], signals: &[&str]) {
-    assert!(is_killed(settings, signals, 10) >= 3, "it ended too soon to be killed");
-}
-
-/// Gives how often.
-fn is_killed(settings: &[&'static str], signals: &[&str], least: u32) -> u32 {
+/// Gives how often it was ended.
+fn survives(settings: &[&'static str], signals: &[&str], most: u32) -> u32 {
     let program = Program::new();
-    program.succeed(&render(CORNELL_BOX, "whole.exr", settings));
+    let life = Life::of(&program, "whole.exr", settings);
     let farm = ["--checkpoint", "c.film", "--checkpoint-every", "0.02s", "--resume"];
-    let arguments = render(CORNELL_BOX, "killed.exr", &[settings, &farm].concat());
-    let kills = kill_until_done(&program, &arguments, least, signals);
+    let base = ["render", CORNELL_BOX, "-o", "killed.exr"];
+    let arguments = [&base[..], settings, &farm].concat();
+    let kills = kill_until_done(&program, &arguments, life, most, signals);
     assert_same(&program, "killed.exr", "whole.exr");
     assert!(!program.path("c.film").exists(), "the checkpoint of a render that is done");
-    kills
+    let Kills { count, resumed } = kills;
+    assert!(count >= 2 && resumed >= 1, "{count} kills, {resumed} times gone on");
+    count
 }
 
 fn assert_same(program: &Program, a: &str, b: &str) {
@@ -89,13 +123,13 @@ fn assert_same(program: &Program, a: &str, b: &str) {
 
 #[test]
 fn a_render_that_is_killed_again_and_again_has_the_same_bytes() {
-    survives(&LONG, &["KILL", "KILL", "TERM", "INT"]);
+    survives(&LONG, &["KILL", "KILL", "TERM", "INT"], 6);
 }
 
 #[test]
 fn so_has_one_whose_pixels_stop_one_by_one() {
     let adaptive = ["--resolution", "48x40", "--noise", "0.1", "--spp", "512"];
-    survives(&adaptive, &["KILL", "TERM"]);
+    survives(&adaptive, &["KILL", "TERM"], 6);
 }
 
 #[test]
@@ -106,8 +140,8 @@ fn fifty_kills_each() {
     let fixed = [&size[..], &["--spp", "1024"]].concat();
     let adaptive = [&size[..], &["--noise", "0.05", "--spp", "1024"]].concat();
     for settings in [fixed, adaptive] {
-        let kills = is_killed(&settings, &signals, 50);
-        assert!(kills >= 50, "{settings:?}: it ended after {kills} kills");
+        let count = survives(&settings, &signals, 50);
+        assert!(count >= 50, "it ended after {count} kills");
     }
 }
 
@@ -260,13 +294,14 @@ fn what_cannot_be_cut_is_refused() {
 #[test]
 fn a_part_that_was_stopped_goes_on_and_joins() {
     let program = Program::new();
-    program.succeed(&render(CORNELL_BOX, "whole.exr", &LONG));
+    let life = Life::of(&program, "whole.exr", &LONG);
     let farm = ["--checkpoint", "c.film", "--checkpoint-every", "0.02s", "--resume"];
     let part = |output, shard| {
         render(CORNELL_BOX, output, &[&LONG[..], &["--shard", shard], &farm].concat())
     };
-    kill_until_done(&program, &part("0.film", "0/2"), 4, &["TERM", "KILL"]);
-    kill_until_done(&program, &part("1.film", "1/2"), 4, &["TERM", "KILL"]);
+    for (output, shard) in [("0.film", "0/2"), ("1.film", "1/2")] {
+        kill_until_done(&program, &part(output, shard), life, 3, &["TERM", "KILL"]);
+    }
     program.succeed(&["merge", "-q", "0.film", "1.film", "-o", "joined.exr"]);
     assert_same(&program, "joined.exr", "whole.exr");
 }
