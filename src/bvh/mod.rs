@@ -28,6 +28,7 @@ mod node;
 mod quantise;
 #[cfg(test)]
 mod random;
+mod refit;
 mod reinsert;
 mod spawn;
 mod sphere;
@@ -39,7 +40,7 @@ pub use bounds::Aabb;
 pub use build_median::build_median;
 pub use build_sah::build_sah;
 pub use grid_ray::{BOX_ERROR, GridRay, MIN_DIRECTION};
-pub use kept::KeptTrees;
+pub use kept::{KeptTrees, TreeSources};
 pub use node::{
     BvhChild, BvhNode, GRID_MAX, LEAF_BIT, LEAF_COUNT_MASK, LEAF_COUNT_SHIFT, LEAF_FIRST_MASK,
     LEAF_KIND_MASK, LEAF_KIND_SHIFT, Link, MAX_ITEMS, UPPER_PLANE_SHIFT,

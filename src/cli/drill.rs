@@ -1,7 +1,7 @@
 //! Faults on order, to see that they are survived. `STERADIAN_DRILL=lose-device@3,lose-device@9`
 //! destroys the device before the third step of the render, and again before the ninth;
 //! `memory@64` stands for a machine with 64 MiB of memory, `free-memory@64` for one that has so much
-//! left.
+//! left, `device-memory@3` for a device that gives no more than 3 percent of its memory.
 
 use super::memory::Memory;
 use steradian::gpu::Device;
@@ -10,19 +10,21 @@ use steradian::{Error, Result};
 /// The variable.
 const VARIABLE: &str = "STERADIAN_DRILL";
 
+const FAULTS: [&str; 4] = ["lose-device", "memory", "free-memory", "device-memory"];
+
 /// Numbers by the faults that they belong to.
 fn orders() -> Result<Vec<(String, u64)>> {
     let text = std::env::var(VARIABLE).unwrap_or_default();
     let parse = |part: &str| {
         let (fault, number) = part.split_once('@')?;
-        let is_known = matches!(fault, "lose-device" | "memory" | "free-memory");
+        let is_known = FAULTS.contains(&fault);
         is_known.then_some((fault.to_owned(), number.parse().ok()?))
     };
     let orders: Option<Vec<_>> =
         text.split(',').filter(|part| !part.is_empty()).map(parse).collect();
     let wrong = || {
-        let known =
-            "expected lose-device@STEP, memory@MIB, free-memory@MIB, or several with commas";
+        let known = "expected lose-device@STEP, memory@MIB, free-memory@MIB, \
+             device-memory@PERCENT, or several with commas";
         Error::Settings(format!("{VARIABLE}={text}: {known}"))
     };
     orders.ok_or_else(wrong)
@@ -40,6 +42,12 @@ pub(super) fn memory() -> Result<Option<Memory>> {
         let total = total.unwrap_or(u64::MAX);
         Memory { total, free: free.unwrap_or(total) }
     }))
+}
+
+/// Percent of its memory that the device gives.
+pub(super) fn device_memory() -> Result<Option<u8>> {
+    let order = orders()?.into_iter().find(|order| order.0 == "device-memory");
+    Ok(order.map(|(_, percent)| percent.min(100) as u8))
 }
 
 /// Steps before which the device is lost.

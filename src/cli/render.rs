@@ -82,6 +82,7 @@ fn run_on_device(call: &Call, job: &Job) -> Result<ExitCode> {
     }
     display.finish(&render.renderer);
     progress.end();
+    call.session.traced_for(render.renderer.statistics().render_seconds);
     render.conclude(checkpoint, stop.exit_code())
 }
 

@@ -6,6 +6,7 @@ use super::picture_layers::PictureLayers;
 use super::talk::{self, Verbosity, with_prefix};
 use super::{memory, stopping};
 use std::time::Duration;
+use steradian::bvh::TreeSources;
 use steradian::film::{ErrorEstimate, Film, PixelStop};
 use steradian::renderer::{FaultLocation, RenderStatistics};
 use steradian::scene::{Scene, Treatment};
@@ -46,13 +47,14 @@ pub(crate) fn job(verbosity: Verbosity, job: &Job, device: &str) {
 /// When everything is built and compiled.
 pub(crate) fn renderer(verbosity: Verbosity, s: &RenderStatistics) {
     verbosity.detail(&format!(
-        "trees of {} triangles, {} spheres, {} instances: {} nodes, depth {}, SAH cost {:.1}, built in {}",
+        "trees of {} triangles, {} spheres, {} instances: {} nodes, depth {}, SAH cost {:.1}, {} in {}",
         s.triangle_count,
         s.sphere_count,
         s.instance_count,
         s.node_count,
         s.tree_depth,
         s.sah_cost,
+        tree_sources(s.trees),
         talk::duration(s.bvh_seconds),
     ));
     if let Some(environment) = s.float_environment {
@@ -65,6 +67,13 @@ pub(crate) fn renderer(verbosity: Verbosity, s: &RenderStatistics) {
         talk::duration(s.compile_seconds),
         s.features,
     ));
+}
+
+fn tree_sources(TreeSources { built, kept, refitted }: TreeSources) -> String {
+    match (kept, refitted) {
+        (0, 0) => "built".into(),
+        _ => format!("{built} built, {kept} kept, {refitted} refitted"),
+    }
 }
 
 /// At the end. Warnings are said even when all else is not.

@@ -1,6 +1,7 @@
 //! What frames of one call share.
 
 use super::device_render::TRY_AGAIN;
+use super::drill;
 use super::job::Job;
 use super::signals::{EarlyStop, StopRequest};
 use std::cell::{OnceCell, RefCell};
@@ -47,7 +48,7 @@ impl<'a> Session<'a> {
         if let Some(device) = &*self.device.borrow() {
             return Ok(device.clone());
         }
-        let device = Arc::new(Device::open(self.device_selector)?);
+        let device = Arc::new(Device::open_within(self.device_selector, drill::device_memory()?)?);
         self.device.replace(Some(device.clone()));
         Ok(device)
     }
@@ -63,6 +64,13 @@ impl<'a> Session<'a> {
         let trees = self.trees.as_ref();
         let prepared = PreparedScene::with_trees(self.device()?, scene, settings, trees)?;
         Renderer::of_prepared(Arc::new(prepared), scene, settings, &Tuning::default())
+    }
+
+    /// Tells how long the frame was traced.
+    pub(super) fn traced_for(&self, seconds: f64) {
+        if let Some(trees) = &self.trees {
+            trees.traced_for(seconds);
+        }
     }
 
     /// The wish to stop; signals are listened to from the first call on.

@@ -7,6 +7,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
+use steradian::bvh::TreeSources;
 use steradian::image::write_atomically;
 use steradian::renderer::FaultLocation;
 use steradian::scene::Scene;
@@ -59,6 +60,7 @@ struct Stats<'a> {
     instances: usize,
     nodes: usize,
     tree_depth: u32,
+    trees: TreeSources,
     sah_cost: f64,
     device_bytes: u64,
     /// The most of the host's memory that the program has used so far.
@@ -168,6 +170,7 @@ fn stats<'a>(outcome: &Outcome<'a>) -> Stats<'a> {
         instances: counts.instance_count,
         nodes: counts.node_count,
         tree_depth: counts.tree_depth,
+        trees: counts.trees,
         sah_cost: counts.sah_cost,
         device_bytes: counts.device_bytes,
         peak_memory_bytes: memory::peak(),

@@ -134,15 +134,11 @@ impl Batch<'_> {
         scene: &Scene,
         settings: &RenderSettings,
     ) -> Result<BatchScene> {
-        use wgpu::util::{BufferInitDescriptor, DeviceExt};
         let has_packets = self.features.has(Feature::Packets);
         let width = if has_packets { TreeWidth::Four } else { TreeWidth::Two };
         let buffers = SceneBuffers::build(scene, settings, width)?;
-        let frame = device.device.create_buffer_init(&BufferInitDescriptor {
-            label: Some("frame"),
-            contents: bytemuck::bytes_of(&buffers.facts().frame(scene, settings)),
-            usage: wgpu::BufferUsages::UNIFORM,
-        });
+        let frame = buffers.facts().frame(scene, settings);
+        let frame = device.uniform_buffer("frame", bytemuck::bytes_of(&frame));
         let stack_size = buffers.world.stack_size.max(1);
         let buffers = buffers.upload(device)?;
         let features = Features::of(scene, settings).union(buffers.split_features());

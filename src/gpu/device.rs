@@ -9,6 +9,9 @@ use std::sync::{Arc, Mutex};
 const NO_DEVICE_REMEDY: &str = "install a Vulkan driver; for rendering on the CPU: \
     apt-get install libvulkan1 mesa-vulkan-drivers (make demo does this)";
 
+/// Bytes that are on their way to the device at a time; they take as much of its memory again.
+const UPLOAD_SIZE: usize = 64 << 20;
+
 /// The kind of a device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DeviceKind {
@@ -56,14 +59,13 @@ pub struct Device {
     failure: Arc<Mutex<Option<String>>>,
 }
 
-fn instance() -> wgpu::Instance {
+/// All Vulkan adapters; see [`Device::open_within`] for `memory_percent`.
+fn adapters(memory_percent: Option<u8>) -> Vec<wgpu::Adapter> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
     descriptor.backends = wgpu::Backends::VULKAN;
-    wgpu::Instance::new(descriptor)
-}
-
-fn adapters() -> Vec<wgpu::Adapter> {
-    pollster::block_on(instance().enumerate_adapters(wgpu::Backends::VULKAN))
+    descriptor.memory_budget_thresholds.for_resource_creation = memory_percent;
+    let instance = wgpu::Instance::new(descriptor);
+    pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN))
 }
 
 fn describe(index: usize, adapter: &wgpu::Adapter) -> DeviceInfo {
@@ -87,10 +89,19 @@ fn describe(index: usize, adapter: &wgpu::Adapter) -> DeviceInfo {
     }
 }
 
+fn describe_error(error: &wgpu::Error) -> String {
+    match error {
+        wgpu::Error::OutOfMemory { .. } => "the device's memory is full: end what else uses it, \
+            or make the scene smaller (--max-texture-size, --max-environment-size)"
+            .into(),
+        _ => error.to_string(),
+    }
+}
+
 impl Device {
     /// All Vulkan adapters.
     pub fn list() -> Vec<DeviceInfo> {
-        adapters().iter().enumerate().map(|(i, a)| describe(i, a)).collect()
+        adapters(None).iter().enumerate().map(|(i, a)| describe(i, a)).collect()
     }
 
     /// Opens the adapter whose index or part of whose name is `selector`; without
@@ -99,7 +110,16 @@ impl Device {
     /// # Errors
     /// [`Error::NoDevice`] where none is found, none fits, or it cannot be opened.
     pub fn open(selector: Option<&str>) -> Result<Self> {
-        let found = adapters();
+        Self::open_within(selector, None)
+    }
+
+    /// [`Self::open`]; where the driver tells what is free, nothing is allocated that would leave less
+    /// than the rest of so many percent of the memory.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_within(selector: Option<&str>, memory_percent: Option<u8>) -> Result<Self> {
+        let found = adapters(memory_percent);
         let infos: Vec<_> = found.iter().enumerate().map(|(i, a)| describe(i, a)).collect();
         if infos.is_empty() {
             return Err(Error::NoDevice(format!("no Vulkan device found: {NO_DEVICE_REMEDY}")));
@@ -145,7 +165,7 @@ impl Device {
             failure.lock().unwrap().get_or_insert(message);
         };
         let on_error = failure.clone();
-        device.on_uncaptured_error(Arc::new(move |e| keep_first(&on_error, e.to_string())));
+        device.on_uncaptured_error(Arc::new(move |e| keep_first(&on_error, describe_error(&e))));
         let on_loss = failure.clone();
         device.set_device_lost_callback(move |reason, message| {
             if reason != wgpu::DeviceLostReason::Destroyed {
@@ -221,35 +241,45 @@ impl Device {
 
     /// A uniform buffer with these contents.
     pub(super) fn uniform_buffer(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
-        use wgpu::util::{BufferInitDescriptor, DeviceExt};
-        let usage = wgpu::BufferUsages::UNIFORM;
-        let label = Some(label);
-        self.device.create_buffer_init(&BufferInitDescriptor { label, contents, usage })
+        self.buffer(label, contents, wgpu::BufferUsages::UNIFORM)
     }
 
     /// A table that shaders can read both from storage and as uniforms: filled up with zeros to
     /// `size` bytes.
     pub(super) fn table_buffer(&self, label: &str, bytes: &[u8], size: usize) -> wgpu::Buffer {
-        use wgpu::util::{BufferInitDescriptor, DeviceExt};
         let mut contents = bytes.to_vec();
         contents.resize(size, 0);
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE;
-        let (label, contents) = (Some(label), &contents[..]);
-        self.device.create_buffer_init(&BufferInitDescriptor { label, contents, usage })
+        self.buffer(label, &contents, usage)
     }
 
     /// A buffer that shaders can read and copies can fill.
     pub(crate) fn storage_buffer(&self, label: &str, bytes: &[u8]) -> wgpu::Buffer {
-        use wgpu::util::DeviceExt;
         // A binding must have room for one element: an array that the scene leaves empty holds
         // zeros.
         const LARGEST_ELEMENT: usize = size_of::<super::GpuMaterial>();
         let padding = [0_u8; LARGEST_ELEMENT];
         let contents = if bytes.is_empty() { &padding[..] } else { bytes };
-        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        self.buffer(label, contents, wgpu::BufferUsages::STORAGE)
+    }
+
+    /// A buffer with these contents, whole words. Where the device has no room for it, the next
+    /// [`Self::wait`] fails. (A buffer that is mapped when it is made would panic instead.)
+    fn buffer(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
-            contents,
-            usage: wgpu::BufferUsages::STORAGE,
-        })
+            size: contents.len() as u64,
+            usage: usage | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        for (k, part) in contents.chunks(UPLOAD_SIZE).enumerate() {
+            if k > 0 {
+                self.queue.submit([]);
+                // What fails here, `wait` says.
+                let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
+            }
+            self.queue.write_buffer(&buffer, (k * UPLOAD_SIZE) as u64, part);
+        }
+        buffer
     }
 }

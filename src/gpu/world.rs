@@ -8,7 +8,7 @@ use super::wide::WideTree;
 use super::world_source::{Sources, Triangle};
 use crate::bvh::{
     Aabb, BuildItem, Bvh, BvhChild, KeptTrees, LEAF_BIT, LEAF_FIRST_MASK, LEAF_KIND_MASK,
-    LEAF_KIND_SHIFT, PrimitiveKind, build_median, build_sah,
+    LEAF_KIND_SHIFT, PrimitiveKind, TreeSources, build_median, build_sah,
 };
 use crate::scene::Scene;
 use crate::settings::Accel;
@@ -68,6 +68,8 @@ pub struct WorldStatistics {
     pub sah_cost: f64,
     /// Levels of the top tree and the deepest tree below it together.
     pub tree_depth: u32,
+    /// Where the trees came from.
+    pub trees: TreeSources,
 }
 
 /// A surface that emits, in world space.
@@ -158,7 +160,10 @@ impl World {
             return Ok(world);
         }
         world.build_trees(scene, &sources, accel, kept);
-        kept.inspect(|kept| kept.end_scene());
+        world.statistics.trees = match kept {
+            Some(kept) => kept.end_scene(),
+            None => TreeSources { built: sources.shared.len() + 1, ..Default::default() },
+        };
         Ok(world)
     }
 

@@ -61,6 +61,7 @@ impl PreparedScene {
             node_count: world.node_count,
             sah_cost: world.sah_cost,
             tree_depth: world.tree_depth,
+            trees: world.trees,
             device_bytes: buffers.bytes(),
             ..Default::default()
         };

@@ -1,5 +1,6 @@
 //! What a render counts.
 
+use crate::bvh::TreeSources;
 use crate::gpu::GpuFilmPixel;
 use crate::passes::FloatEnvironment;
 use crate::shader::Features;
@@ -45,6 +46,8 @@ pub struct RenderStatistics {
     pub sah_cost: f64,
     /// Levels of the trees.
     pub tree_depth: u32,
+    /// Where the trees came from.
+    pub trees: TreeSources,
     /// Bytes of the scene on the device.
     pub device_bytes: u64,
     /// Lines of the kernel.

@@ -2,11 +2,16 @@
 
 use crate::common::{
     Estimate, Stage, assert_truth, bundled, emitter, grey, lambert, quad_mesh, render, settings,
+    with_device,
 };
 use glam::{Affine3A, Mat3, Quat, Vec3};
-use steradian::RenderSettings;
+use std::sync::Arc;
+use steradian::bvh::{KeptTrees, TreeSources};
+use steradian::passes::Tuning;
+use steradian::renderer::PreparedScene;
 use steradian::scene::{Instance, Mesh, Scene};
 use steradian::settings::Accel;
+use steradian::{RenderSettings, Renderer};
 
 /// A closed surface of 2 × 24 × 24 triangles about the origin, about 1 in radius, with
 /// shading normals.
@@ -137,6 +142,36 @@ fn every_acceleration_structure_finds_the_same_hits() {
     assert!(expected.iter().any(|c| c[0] > 0.0));
     assert_eq!(bits(Accel::Bvh), expected);
     assert_eq!(bits(Accel::Median), expected);
+}
+
+/// A tree that was built for another frame, and fitted to this one.
+#[test]
+fn a_refitted_tree_finds_the_same_hits() {
+    let scene = mixed();
+    let mut before = mixed();
+    before.instances[0].world_from_object = Affine3A::from_translation(Vec3::new(0.7, 0.9, -2.0));
+    before.spheres.iter_mut().for_each(|sphere| sphere.center.x -= 1.0);
+    let settings = RenderSettings { max_bounces: Some(3), ..settings(16, 16, 8) };
+    // However bad it is.
+    let trees = KeptTrees::default();
+    trees.traced_for(0.0);
+    let picture = with_device(|device| {
+        let mut frames = [&before, &scene].map(|scene| {
+            let prepared =
+                PreparedScene::with_trees(device.clone(), scene, &settings, Some(&trees));
+            let (prepared, tuning) = (Arc::new(prepared.unwrap()), Tuning::default());
+            Renderer::of_prepared(prepared, scene, &settings, &tuning).unwrap()
+        });
+        let sources = |frame: &Renderer| {
+            let TreeSources { built, kept, refitted } = frame.statistics().trees;
+            [built, kept, refitted]
+        };
+        assert_eq!(frames.each_ref().map(sources), [[1, 0, 0], [0, 0, 1]]);
+        while frames[1].step().unwrap() {}
+        frames[1].finish().unwrap();
+        frames[1].film().picture()
+    });
+    assert!(picture == render(&scene, &settings).picture());
 }
 
 /// A floor that is a sphere of radius 1e6 m is as good as a plane: the square light's form
