@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The Open Job Description template (deploy/openjd) by openjd-cli: passes its check, and a render in
-# eight parts, joined, has the bytes of one that is not cut.
+# The Open Job Description templates (deploy/openjd) by openjd-cli: they pass its check; a render in
+# eight parts, joined, has the bytes of one that is not cut, and frames have those of one call.
 #
 #     tools/test_openjd.sh PROGRAM
 #
@@ -21,6 +21,7 @@ trap 'rm -rf "$work"' EXIT
 
 "$openjd" --version >&2
 "$openjd" check "$template"
+"$openjd" check deploy/openjd/frames.yaml
 "$program" render "$scene" -q --resolution 96x96 --spp 32 -o "$work/whole.exr"
 parameters=(-p Program="$program" -p Scene="$scene" -p Output="$work/joined.exr"
     -p Parts="$work/parts" -p Samples=32 -p Resolution=96x96)
@@ -46,3 +47,14 @@ run --step Merge --run-dependencies
 cmp "$work/whole.exr" "$work/joined.exr"
 [ "$(grep -c 'there already' "$work/log")" -eq 7 ]
 echo 'test-openjd: a missing part is refused, and made again alone' >&2
+
+# Frames, a task each.
+"$program" render "$scene" -q --frames 3,5 --resolution 64x64 --spp 4 -o "$work/####.exr"
+"$openjd" run deploy/openjd/frames.yaml --step Render -p Program="$program" -p Scene="$scene" \
+    -p Output="$work/frames/####.exr" -p Frames=3,5 -p Samples=4 -p Resolution=64x64 > "$work/log" 2>&1
+grep -q 'openjd_progress: 100' "$work/log"
+for frame in 0003 0005; do
+    cmp "$work/$frame.exr" "$work/frames/$frame.exr"
+done
+[ "$(ls "$work/frames" | wc -l)" -eq 2 ]
+echo 'test-openjd: equal bytes of two frames' >&2

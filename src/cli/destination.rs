@@ -79,6 +79,7 @@ impl Destinations {
             ("--sample-map", sample_map.as_ref()),
             ("--checkpoint", checkpoint.as_ref()),
             ("--denoise", denoised.as_ref()),
+            ("--log-file", flags.machine.log_file.as_ref()),
         ];
         for (i, (flag, path)) in named.iter().enumerate() {
             let Some(path) = path else { continue };

@@ -46,8 +46,8 @@ pub(crate) struct MachineFlags {
 }
 
 impl MachineFlags {
-    /// Prepares the log.
-    pub(crate) fn set_up(&self, output: Option<&Path>) -> Result<()> {
+    /// Prepares the log, which must not be one of the files that are read or written.
+    pub(crate) fn set_up(&self, scene: &Path, output: Option<&Path>) -> Result<()> {
         let is_json = self.log_format == LogFormat::Json;
         if is_json && self.progress == ProgressKind::Bar {
             let message = "--progress bar: --log-format json has lines alone";
@@ -57,8 +57,11 @@ impl MachineFlags {
             let message = "--progress openjd: standard output has the picture";
             return Err(Error::Settings(message.into()));
         }
-        if self.log_file.is_some() && self.log_file.as_deref() == output {
-            return Err(Error::Settings("--log-file and --output name the same file".into()));
+        for (name, path) in [("the scene", Some(scene)), ("--output", output)] {
+            if self.log_file.is_some() && self.log_file.as_deref() == path {
+                let message = format!("--log-file and {name} are the same file");
+                return Err(Error::Settings(message));
+            }
         }
         let busy = match self.progress {
             ProgressKind::Auto | ProgressKind::Bar if !is_json => Busy::Spinner,

@@ -50,7 +50,8 @@ use steradian::Result;
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 failed, 2 bad command line, 3 scene unusable, 4 no usable device, \
-75 temporary failure, 130 or 143 stopped by a signal after the partial picture was written.";
+75 the same command may succeed later (stopped with a checkpoint, device \
+lost or full, memory taken by others), 130 or 143 stopped by a signal after the partial picture was written.";
 
 /// A physically based path tracer for glTF 2.0, on GPUs and on software Vulkan.
 #[derive(Debug, Parser)]

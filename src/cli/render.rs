@@ -40,7 +40,7 @@ pub(super) fn run(flags: &RenderFlags) -> Result<ExitCode> {
         talk::data(&flags.machine.dumped)?;
         return Ok(ExitCode::SUCCESS);
     }
-    flags.machine.set_up(flags.output.as_deref())?;
+    flags.machine.set_up(&flags.scene, flags.output.as_deref())?;
     view::check(flags)?;
     let mut frames = flags.frames.list(flags.job.scene.frame_time);
     let shard = flags.farm.shard;

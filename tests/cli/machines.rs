@@ -134,6 +134,20 @@ fn a_log_of_objects_has_one_in_each_line() {
 }
 
 #[test]
+fn a_log_is_no_other_file() {
+    let program = Program::new();
+    scene::write(&program.path("s.gltf"), &scene::moving_triangle());
+    let before = std::fs::read(program.path("s.gltf")).unwrap();
+    for (output, log) in [("a.png", "s.gltf"), ("a.png", "a.png"), ("a#.png", "a1.png")] {
+        let flags = ["-o", output, "--log-file", log, "--frames", "1"];
+        let output = program.run(&[&["render", "s.gltf"], &flags[..]].concat());
+        assert_eq!(output.status.code(), Some(2), "{log}: {}", talk(&output));
+        assert!(talk(&output).contains("--log-file"), "{}", talk(&output));
+    }
+    assert_eq!(std::fs::read(program.path("s.gltf")).unwrap(), before);
+}
+
+#[test]
 fn open_job_description_reads_progress() {
     let program = Program::new();
     let flags = ["-q", "-o", "a.png", "--progress", "openjd", "--frames", "3,4", "--fps", "1"];
