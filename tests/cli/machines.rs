@@ -1,6 +1,6 @@
 //! What other programs read: the log, progress, statistics, completions, manual pages.
 
-use super::{Program, QUAD_LIGHT, read_json, talk};
+use super::{Program, QUAD_LIGHT, read_json, scene, talk};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::Command;
