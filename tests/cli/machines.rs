@@ -201,6 +201,6 @@ fn shells_complete_and_manuals_have_pages() {
     let page = |name: &str| std::fs::read_to_string(program.path("man").join(name)).unwrap();
     let (main, render) = (page("steradian.1"), page("steradian-render.1"));
     assert!(main.contains(".TH steradian 1") && main.contains("steradian\\-render(1)"), "{main}");
-    assert!(render.contains("skip\\-existing") && main.contains("75 temporary failure"));
+    assert!(render.contains("skip\\-existing") && main.contains("75 the same command"));
     assert_eq!(program.run(&["man", "nowhere"]).status.code(), Some(1));
 }
