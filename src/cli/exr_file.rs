@@ -3,9 +3,12 @@
 use super::destination::Picture as Destination;
 use super::output::Developed;
 use super::report::Outcome;
+use super::talk;
 use std::time::{SystemTime, UNIX_EPOCH};
 use steradian::Result;
-use steradian::image::{Attribute, ChannelData, ExrHeader, Layer, Picture, write_exr_bands};
+use steradian::image::{
+    Attribute, ChannelData, ExrHeader, Layer, Picture, Precision, write_exr_bands,
+};
 use steradian::layers::film_layers;
 use steradian::settings::Crop;
 
@@ -26,7 +29,7 @@ pub(super) fn write(to: &Destination, of: &Developed) -> Result<()> {
         resolution: of.resolution,
         window,
         metadata: all.into_iter().collect(),
-        precision: to.exr.precision,
+        precision: precision(to, &picture),
     };
     let denoised = (of.denoised)(&picture)?;
     write_exr_bands(&to.path, &header, BAND_PIXELS / window.width, |band| {
@@ -36,6 +39,24 @@ pub(super) fn write(to: &Destination, of: &Developed) -> Result<()> {
         layers.extend((of.traced)(band)?);
         Ok(layers)
     })
+}
+
+/// What is asked for, if it can hold the picture, whose light is worth more than its form.
+fn precision(to: &Destination, picture: &Picture) -> Precision {
+    // From here on numbers round to what has no 16 bits.
+    const TOO_LARGE_FOR_HALF: f32 = 65520.0;
+    let is_too_large = |value: &&f32| value.is_finite() && **value >= TOO_LARGE_FOR_HALF;
+    let value = picture.rgb.iter().flatten().find(is_too_large);
+    match value.filter(|_| to.exr.precision == Precision::Half) {
+        Some(value) => {
+            talk::line(&format!(
+                "warning: {}: it holds {value}, more than 16 bits can: stored with 32",
+                to.path.display()
+            ));
+            Precision::Float
+        }
+        None => to.exr.precision,
+    }
 }
 
 /// Attributes of an EXR beside those of any file.

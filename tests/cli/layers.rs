@@ -214,6 +214,15 @@ fn half_precision_is_for_the_picture_alone() {
     // Background: 0.3 = 1.2 × 2^-2; 1.2 × 2^10 = 1228.8 rounds to 1229.
     assert_eq!(floats(&half, "", "R")[0], 1229.0 / 4096.0);
     assert_eq!(floats(&float, "", "R")[0], 0.3);
+    // What has no 16 bits keeps 32, and this is told.
+    let bright = ["-o", "bright.exr", "--exr-precision", "half", "--environment-radiance", "1e5"];
+    let small = ["--resolution", "4x4", "--spp", "1"];
+    let call = [&["render", "triangle.gltf"], &bright[..], &small].concat();
+    let output = program.run(&call);
+    assert_eq!(output.status.code(), Some(0), "{}", talk(&output));
+    assert!(talk(&output).contains("more than 16 bits can: stored with 32"), "{}", talk(&output));
+    let stored = exr(&program, "bright.exr");
+    assert_eq!(floats(&stored, "", "R")[0], 1e5);
 }
 
 #[test]
