@@ -16,7 +16,7 @@ fi
 
 cargo build --quiet --bin steradian
 driver=$(command -v xdotool)
-program=$PWD/${CARGO_TARGET_DIR:-target}/debug/steradian
+program=$(realpath -m "${CARGO_TARGET_DIR:-target}")/debug/steradian
 scene=$PWD/scenes/cornell-box/cornell-box.gltf
 work=$(mktemp -d)
 export XDG_CONFIG_HOME=$work/config
