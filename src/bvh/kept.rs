@@ -62,7 +62,7 @@ impl Kept {
 
     /// Refitted to the items, if what that saves now is not lost while rays pass through a tree
     /// that is worse: by the share by which its cost is above that of when it was built, of the time
-    /// that tracing took. That share is known only after refitting, which takes a tenth of building.
+    /// that tracing took. That share is known only after refitting.
     fn refit(&self, items: &[BuildItem], kind: u64, trace_seconds: f64) -> Option<Self> {
         let tree = Some(&self.tree).filter(|_| self.kind == kind)?.refitted(items)?;
         let loss = (tree.sah_cost() / self.built_cost - 1.0) * trace_seconds;

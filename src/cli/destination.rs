@@ -73,7 +73,9 @@ impl Destinations {
         }
         let has_second = format == Some(OutputFormat::Png) && flags.layers.denoise.is_some();
         let denoised = output.as_deref().filter(|_| has_second).map(picture_layers::denoised_path);
+        let scene = "the scene";
         let named = [
+            (scene, Some(&flags.scene)),
             ("--output", output.as_ref()),
             ("--stats", stats.as_ref()),
             ("--sample-map", sample_map.as_ref()),
@@ -87,7 +89,8 @@ impl Destinations {
                 let message = format!("{}: {other} and {flag} name the same file", path.display());
                 return Err(Error::Settings(message));
             }
-            if *flag != "--output" || path.as_os_str() != STANDARD_OUTPUT {
+            let is_stream = *flag == "--output" && path.as_os_str() == STANDARD_OUTPUT;
+            if *flag != scene && !is_stream {
                 check_place(path)?;
             }
         }

@@ -43,20 +43,15 @@ pub(super) fn write(to: &Destination, of: &Developed) -> Result<()> {
 
 /// What is asked for, if it can hold the picture, whose light is worth more than its form.
 fn precision(to: &Destination, picture: &Picture) -> Precision {
-    // From here on numbers round to what has no 16 bits.
-    const TOO_LARGE_FOR_HALF: f32 = 65520.0;
-    let is_too_large = |value: &&f32| value.is_finite() && **value >= TOO_LARGE_FOR_HALF;
-    let value = picture.rgb.iter().flatten().find(is_too_large);
-    match value.filter(|_| to.exr.precision == Precision::Half) {
-        Some(value) => {
-            talk::line(&format!(
-                "warning: {}: it holds {value}, more than 16 bits can: stored with 32",
-                to.path.display()
-            ));
-            Precision::Float
-        }
-        None => to.exr.precision,
-    }
+    let asked = to.exr.precision;
+    let Some(value) = picture.rgb.iter().flatten().find(|value| !asked.holds(**value)) else {
+        return asked;
+    };
+    talk::line(&format!(
+        "warning: {}: it holds {value}, more than 16 bits can: stored with 32",
+        to.path.display()
+    ));
+    Precision::Float
 }
 
 /// Attributes of an EXR beside those of any file.

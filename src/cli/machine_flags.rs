@@ -46,7 +46,8 @@ pub(crate) struct MachineFlags {
 }
 
 impl MachineFlags {
-    /// Prepares the log, which must not be one of the files that are read or written.
+    /// Prepares the log. It begins anew before the names of other files are known in full, and must be none of
+    /// those that are named here.
     pub(crate) fn set_up(&self, scene: &Path, output: Option<&Path>) -> Result<()> {
         let is_json = self.log_format == LogFormat::Json;
         if is_json && self.progress == ProgressKind::Bar {

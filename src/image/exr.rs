@@ -12,7 +12,7 @@ use super::{Picture, invalid_data};
 use crate::settings::Crop;
 use crate::{Error, Result};
 use ::exr::meta::attribute::Chromaticities;
-use ::exr::prelude::{AttributeValue, FlatSamples, ReadChannels, ReadLayers, Text, Vec2};
+use ::exr::prelude::{AttributeValue, FlatSamples, ReadChannels, ReadLayers, Text, Vec2, f16};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -92,6 +92,13 @@ pub enum Precision {
     Float,
     /// 16 bits: rounded to 11 significant ones; at most 65504.
     Half,
+}
+
+impl Precision {
+    /// Whether the value stays finite, if it is.
+    pub fn holds(self, value: f32) -> bool {
+        self == Self::Float || !value.is_finite() || f16::from_f32(value).is_finite()
+    }
 }
 
 /// The primaries and white point of Rec. 709 (ITU-R BT.709-6, table 1).

@@ -1,6 +1,6 @@
 //! Frames of an animation: their names, their times, what is left out.
 
-use super::{Program, scene, talk};
+use super::{Program, read_json, scene, talk};
 use std::fs;
 use steradian::image::{Picture, read_exr};
 
@@ -34,6 +34,10 @@ fn a_frame_is_the_scene_at_its_time_whatever_came_before() {
     names.sort();
     assert_eq!(program.files(), names);
     // From 24 on the triangle is at rest, and its tree is the one of the frame before.
+    let kept = |number: &str| {
+        read_json(&program.path(&format!("s.{number}.json")))["trees"]["kept"].clone()
+    };
+    assert_eq!(["0000", "0024", "0036", "0048"].map(kept), [0, 0, 1, 1]);
     let times = [("0012", "12"), ("0036", "36"), ("0048", "48")];
     for (number, frame) in times {
         program.succeed(&render(&["-o", "one.exr", "--frames", frame]));

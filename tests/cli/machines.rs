@@ -134,7 +134,7 @@ fn a_log_of_objects_has_one_in_each_line() {
 }
 
 #[test]
-fn a_log_is_no_other_file() {
+fn what_is_written_is_no_other_file() {
     let program = Program::new();
     scene::write(&program.path("s.gltf"), &scene::moving_triangle());
     let before = std::fs::read(program.path("s.gltf")).unwrap();
@@ -144,6 +144,9 @@ fn a_log_is_no_other_file() {
         assert_eq!(output.status.code(), Some(2), "{log}: {}", talk(&output));
         assert!(talk(&output).contains("--log-file"), "{}", talk(&output));
     }
+    let flags = ["-o", "a.png", "--stats", "s.gltf"];
+    let output = program.run(&[&["render", "s.gltf"], &flags[..]].concat());
+    assert_eq!(output.status.code(), Some(2), "{}", talk(&output));
     assert_eq!(std::fs::read(program.path("s.gltf")).unwrap(), before);
 }
 

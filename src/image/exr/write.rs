@@ -199,11 +199,10 @@ fn copy_line(
         ChannelData::U32(v) => line.value.copy_from_slice(bytemuck::cast_slice(&v[at..end])),
         ChannelData::F32(v) if place.sample_type == SampleType::F16 => {
             for (&value, bytes) in v[at..end].iter().zip(line.value.chunks_exact_mut(2)) {
-                let half = f16::from_f32(value);
-                if value.is_finite() && !half.is_finite() {
+                if !Precision::Half.holds(value) {
                     return Some((line.location.channel, value));
                 }
-                bytes.copy_from_slice(&half.to_ne_bytes());
+                bytes.copy_from_slice(&f16::from_f32(value).to_ne_bytes());
             }
         }
         ChannelData::F32(v) => line.value.copy_from_slice(bytemuck::cast_slice(&v[at..end])),
